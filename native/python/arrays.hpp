@@ -43,7 +43,7 @@ inline py::array copied(const char* name, const py::object& value) {
   if (PyErr_ExceptionMatches(PyExc_MemoryError) || !PyErr_ExceptionMatches(PyExc_Exception))
     throw py::error_already_set();
   PyErr_Clear();
-  throw ArgumentError(std::string(name) + " is not an array: numpy cannot make one of it");
+  throw ArgumentError(std::string(name) + " is not an array: numpy cannot convert it");
 }
 
 /// \throw ArgumentError unless the array is of one of the dtype kinds

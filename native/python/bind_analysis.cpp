@@ -218,16 +218,16 @@ void bind_analysis(py::module_& m) {
       m, kAnalyze, &analyze_samples,
       R"(analyze(surface: Surface, samples: Samples | numpy.ndarray, *, {signature}, context: Context | None = None) -> Report
 
-Measure samples, wherever they come from: evenness, pattern and energy.
+Measure samples of any origin: evenness, pattern and energy.
 
 Args:
     surface: the Surface they lie on.
-    samples: Samples, or (n, 3) float64 points, which are bound where the surface is nearest.
+    samples: Samples, or (n, 3) float64 points, which are bound to the nearest points of the surface.
     {options}
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
-    Report; what tells of the making stays at its default.
+    Report; fields about the optimization keep their defaults.
 
 Raises:
     ValueError: naming the first point that is not finite, face out of range or cell that reaches so
@@ -245,16 +245,17 @@ Returns:
 
 Raises:
     ValueError: naming the first point that is not finite.)");
-  m.def("progressive_ranks", &ranks_of, py::arg("points"), py::arg("classes") = py::none(),
-        py::kw_only(), py::arg("context") = ContextPtr(),
-        R"(An order of points in which every beginning is even, for showing a share of them.
+  m.def(
+      "progressive_ranks", &ranks_of, py::arg("points"), py::arg("classes") = py::none(),
+      py::kw_only(), py::arg("context") = ContextPtr(),
+      R"(An order of points of which every beginning is evenly spread, for showing a share of them.
 
 The points whose rank is below m are spread as evenly as m of them can be, for every m; a density is kept. With classes,
 each is even by itself too and keeps its share. Weighted sample elimination (Yuksel 2015) over points and classes.
 
 Args:
     points: (n, 3) float64.
-    classes: (n,) integers >= 0, or None: all are alike.
+    classes: (n,) integers >= 0, or None for a single class.
     context: a Context for progress and cancel.
 
 Returns:
@@ -272,7 +273,7 @@ Schloemer and Deussen, Accurate Spectral Analysis of Two-Dimensional Point Sets,
 Args:
     runs: (n, 2) float64 in [0, 1], or a sequence of such arrays.
     half_width: largest frequency on either axis; 0 is 3 sqrt(n).
-    threads: 0 uses as many as the machine has; the result is the same bytes for any number.
+    threads: 0 uses all processors; the result has the same bytes for any number.
     context: a Context for progress and cancel.
 
 Returns:
@@ -293,9 +294,9 @@ Surfaces, 2010. Samples nearer to a border than the radius are no centers of dif
 Args:
     surface: a Surface.
     runs: Samples or (n, 3) float64 points on it, or a sequence of such.
-    radius: of the neighborhood that is looked at, in (local) spacings.
-    bins: of the differentials on either axis; even.
-    threads: 0 uses as many as the machine has; the result is the same bytes for any number.
+    radius: radius of the analyzed neighborhood, in (local) spacings.
+    bins: number of bins on either axis; even.
+    threads: 0 uses all processors; the result has the same bytes for any number.
     context: a Context for progress and cancel.
 
 Returns:

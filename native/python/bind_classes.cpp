@@ -97,16 +97,17 @@ std::vector<SampleClass> classes_on(const Surface& surface, const py::sequence& 
 }
 
 void bind_class_type(py::module_& m) {
-  py::class_<ClassArgument> type(m, "SampleClass", R"(What one class of samples is to be.
+  py::class_<ClassArgument> type(m, "SampleClass",
+                                 R"(A class of samples: count, density, radius and locked samples.
 
 Args:
     count: number of samples, 0..100000000.
     density: of the class, or None for the surface's or domain's own. For a Surface an array as Surface takes it; for a
         Plane or Torus an image, all classes' and the domain's own of one shape.
     density_at: 'vertices', 'faces' or 'corners', as for Surface; images do not need it.
-    radius: of its discs, in the units of the vertices, >= 0. Pairs are kept apart by the sum of their radii: rocks off trees.
+    radius: of its discs, in the units of the vertices, >= 0. Pairs are kept apart by the sum of their radii: rocks stay out of trees.
         Samples of radius 0 stay outside the discs of others.
-    locked: Samples of the surface that stay where they are and take part, or None; they come first in their class, and
+    locked: Samples of the surface that do not move, or None; they come first in their class, and
         count includes them. For surfaces only.
 
 Raises:
@@ -131,16 +132,16 @@ Several classes of samples at once: each even by itself, and all together.
 
 Minimizes union_weight * N * E(union) + the sum of E(class) over the N classes that are not empty, each normalized by its
 own number and density (Chen et al. 2012, Algorithm 3), from a Poisson-disk set of all classes.
-sample_classes(..., **dapple.PAPER, two_stages=True) is the paper's own way.
+sample_classes(..., **dapple.PAPER, two_stages=True) is the method of the paper.
 
 Args:
     surface: a Surface.
     classes: a sequence of SampleClass or counts.
     {options}
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
-    Samples, class by class; their report holds one of each class, and the pair of discs that overlaps most.
+    Samples, class by class; their report contains one of each class, and the pair of discs that overlaps most.
 
 Raises:
     ValueError: an option out of range, or radii for which the area cannot suffice.
@@ -157,7 +158,7 @@ Args:
     domain: a Plane or a Torus.
     classes: a sequence of SampleClass or counts.
     {options}
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     PlanarSamples, class by class, with a report.

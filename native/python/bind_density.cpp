@@ -33,7 +33,7 @@ double number_of(const char* name, const py::object& value) {
   if (!PyErr_Occurred()) return number;
   PyErr_Clear();
   throw ArgumentError(std::string(name) + " is " + digits_of(value) +
-                      ": it is too large for a number of 64 bits");
+                      ": it does not fit into 64 bits");
 }
 
 /// A number of Python or numpy, or what else can become one, but no array with an axis.
@@ -117,7 +117,7 @@ void check_refined(const Refined& r) {
 
 Refined restored_refined(const py::object& state) {
   const auto items = state.cast<py::tuple>();
-  if (items.size() != 6) throw ArgumentError("it has another number of members");
+  if (items.size() != 6) throw ArgumentError("it has the wrong number of members");
   Refined r{items[0].cast<Surface>(), items[1].cast<Surface>(), {}, {}, {}, items[5].cast<bool>()};
   unpack(py::object(items[2]), r.parents);
   unpack(py::object(items[3]), r.barycentric);
@@ -189,8 +189,8 @@ density of its own by with_density().
 Args:
     surface: a Surface.
     longest: in the units of the vertices, > 0; one number, or (m,) float64, one for each face, infinite for those that
-        may stay as they are. Their neighbors are cut as far as they need to share edges.
-    max_faces: 1..200000000; what would take more stays coarser, and resolved is False.
+        need no refinement. Neighbors are cut as far as shared edges require.
+    max_faces: 1..200000000; the rest stays coarser, and resolved is False.
     context: a Context to cancel by, or None.
 
 Returns:
@@ -206,7 +206,7 @@ void bind_verbs(py::module_& m) {
       m, kRefineImage, &image_refined,
       R"(refine_image(surface: Surface, uv: numpy.ndarray, image: numpy.ndarray, *, {signature}, context: Context | None = None) -> Refined
 
-Lay a picture over a surface as its density, through texture coordinates.
+Use a picture as density of a surface, through texture coordinates.
 
 Faces are cut until the density, linear on each, follows the picture: their edges are halved while they are longer than
 `texels` and the picture deviates from linear by more than the tolerance. A density that the surface has is multiplied.
@@ -220,7 +220,7 @@ Args:
     context: a Context to cancel by, or None.
 
 Returns:
-    Refined. Samples end at most one such edge beyond what is not black.
+    Refined. Samples lie at most one such edge beyond pixels that are not black.
 
 Raises:
     ValueError: naming the first value or option out of range.
@@ -231,18 +231,18 @@ Raises:
         py::arg("radii"), py::kw_only(), py::arg("areas") = py::none(),
         py::arg("edge") = ObstacleOptions().edge,
         py::arg("max_faces") = ObstacleOptions().max_faces, py::arg("context") = py::none(),
-        R"(Take the density away from around points and from whole faces.
+        R"(Remove the density around points and on whole faces.
 
-No sample on the surface returned lies nearer to a point than its radius, in a straight line. Faces at the border of such
-a ball are cut small first, since those that reach into it lose their density altogether; elsewhere it stays as it is.
+No sample on the returned surface lies closer to a point than its radius, in a straight line. Faces at the border of such
+a ball are refined first, since pieces that reach into it lose their density; elsewhere it does not change.
 
 Args:
     surface: a Surface with m faces.
     points: (k, 3) float64; (0, 3) for none.
     radii: (k,) float64 > 0, or one number for all, in the units of the vertices.
-    areas: (m,) bool, faces to keep off, or None.
+    areas: (m,) bool, faces to avoid, or None.
     edge: longest edge at the border of a ball, of its radius, > 0.
-    max_faces: 1..200000000; what would take more stays coarser, and resolved is False; the distances are kept.
+    max_faces: 1..200000000; the rest stays coarser, and resolved is False; the distances are kept.
     context: a Context to cancel by, or None.
 
 Returns:
@@ -262,14 +262,14 @@ void bind_curvature(py::module_& m) {
       },
       py::arg("surface"), py::kw_only(), py::arg("smoothing") = CurvatureOptions().smoothing,
       py::arg("context") = nullptr,
-      R"(How strongly a surface bends at each vertex: sqrt((k1^2 + k2^2) / 2) of the principal curvatures.
+      R"(The curvedness of a surface at each vertex: sqrt((k1^2 + k2^2) / 2) of the principal curvatures.
 
 From the normals at the corners of the faces (Rusinkiewicz 2004); 1 / r on a sphere of radius r, 0 where it is flat.
 
 Args:
     surface: a Surface.
     smoothing: rounds of averaging over neighbors against noise, 0..100.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     (v,) float64, in 1 / units of the vertices.
@@ -297,11 +297,11 @@ do not exceed. 1 everywhere on a flat surface.
 
 Args:
     surface: a Surface.
-    exponent: > 0; larger ones leave more to the sharpest bends.
+    exponent: > 0; larger values concentrate the density at sharp bends.
     floor: density where the surface is flat, 0..1.
     percentile: above 0, up to 100.
     smoothing: rounds of averaging over neighbors against noise, 0..100.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     (v,) float64 in floor..1.

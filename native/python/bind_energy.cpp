@@ -85,7 +85,7 @@ Args:
     positions: (n, 3) float64, on the surface.
     faces: (n,) int32, the faces that hold them.
     {options}
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     Energy.

@@ -118,13 +118,13 @@ The restricted Voronoi cells of samples as tiles (Chen et al. 2012, section 5.3 
 A tile follows the surface over faces and creases. It is the part of its cell that is farther than half the grout, and
 its inset, from each plane half-way to a neighbor: straight joints of constant width. Without grout and insets neighbors
 have the same points where they touch, so that tiles whose vertices are merged by place are closed where the surface is.
-Where nothing is left of a tile, a warning says of how many.
+If tiles are empty, a warning states their number.
 
 Args:
     surface: the Surface the samples lie on.
     samples: Samples.
     {options}
-    insets: (n,) float64 >= 0: how much farther each tile draws back; None: nothing.
+    insets: (n,) float64 >= 0: additional distance between each tile and its bisectors; None: 0.
     context: a Context for progress and cancel.
 
 Returns:

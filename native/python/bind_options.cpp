@@ -99,7 +99,7 @@ void read(const char* name, const Range& range, const py::handle& value, double&
     if (!too_large) refuse_type(name, value, "a number");
     throw ArgumentError(std::string(name) + " is " +
                         digits_of(py::reinterpret_borrow<py::object>(value)) +
-                        ": it is too large for a number of 64 bits");
+                        ": it does not fit into 64 bits");
   }
   check_range(name, number, range);
 }

@@ -131,7 +131,7 @@ py::dict report_dict(const Report& report) {
 
 void bind_reports(py::module_& m) {
   py::class_<Quality, std::shared_ptr<Quality>> quality(m, "Quality",
-                                                        "How even a set of samples is.");
+                                                        "Evenness of a set of samples.");
   def_pickle<Quality>(quality, "Quality");
   quality.def_readonly("count", &Quality::count, "Number of samples.")
       .def_readonly("spacing", &Quality::spacing,
@@ -153,16 +153,16 @@ void bind_reports(py::module_& m) {
                     "Normalized: n E / capacity^2 - capacity_weight; 0.16037 for perfect hexagons.")
       .def_readonly(
           "whole_count_variation", &Quality::whole_count_variation,
-          "What of the capacity variation comes of each component of the surface having a "
-          "whole number of samples; 0 on one component.")
+          "Share of the capacity variation caused by integer counts per component; 0 on one "
+          "component.")
       .def_property_readonly(
           "thin_share", [](const Quality& q) { return q.evenness.thin_share; },
           "Share of the samples on parts thinner than the spacing, such as wires: neighbors are "
-          "before and behind them only, so no hexagonal spacing fits, and alpha is without them.");
+          "before and behind them only, so no hexagonal spacing fits, and alpha ignores them.");
 
   py::class_<Report, Quality, std::shared_ptr<Report>> type(
       m, "Report",
-      "What was done to get the samples, and how good they are: all together, and each class.");
+      "How the samples were made, and their quality: of all together and of each class.");
   def_pickle<Report>(type, "Report");
   type.def_property_readonly(
           "classes", [](const Report& r) { return r.classes; },
@@ -178,20 +178,22 @@ void bind_reports(py::module_& m) {
       .def_readonly("evaluations", &Report::evaluations, "Of the energy and its gradient.")
       .def_readonly("iterations", &Report::iterations, "Steps taken.")
       .def_readonly("parts", &Report::parts,
-                    "Tracker: that the frame was split into, because the surface moves far.")
+                    "Tracker: parts into which the frame was split because the surface moves far.")
       .def_readonly(
           "converged", &Report::converged,
-          "False if the evaluations ran out first, or no step was found where more was promised.")
+          "False if the evaluations ran out first, or no step reached the predicted decrease.")
       .def_readonly("seconds", &Report::seconds, "Wall time.")
       .def_property_readonly(
           "profile", [](const Report& r) { return profile_dict(r.profile); },
-          "A dict of what it went to: seconds by stage, which sum to it. The stages are start, "
+          "A dict of seconds by stage, which sum to `seconds`. The stages are start, "
           "neighbors, cells, solver, projection, reporting and other.")
-      .def_readonly("energies", &Report::energies,
-                    "What was minimized (energy and repulsion), normalized, at the start and after "
-                    "each iteration.")
-      .def_readonly("slide_mean", &Report::slide_mean,
-                    "Tracker and resample(): mean distance from where they were, in spacings.")
+      .def_readonly(
+          "energies", &Report::energies,
+          "The minimized function (energy and repulsion), normalized, at the start and after "
+          "each iteration.")
+      .def_readonly(
+          "slide_mean", &Report::slide_mean,
+          "Tracker and resample(): mean distance from the previous positions, in spacings.")
       .def_readonly("slide_median", &Report::slide_median, "The median of these distances.")
       .def_readonly("slide_max", &Report::slide_max, "The largest such distance.")
       .def_readonly("births", &Report::births,
@@ -262,7 +264,7 @@ Args:
     count: number of samples, 0..100000000.
     {options}
     locked: Samples of the surface that stay where they are and take part, or None; they come first, and count includes them.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     Samples, with a report.
@@ -287,7 +289,7 @@ Args:
     count: number of samples wanted, 0..100000000; it includes the locked ones.
     {options}
     locked: (k,) indices of samples that stay where they are, or None; new ones may come between them.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     Samples: those that stay first, in their order and with their ids; new ids follow the largest. Their report's
@@ -319,7 +321,7 @@ Args:
     count: number of samples wanted of one class: the difference comes and goes where something has changed. None: there
         become as many as have the capacity of the samples around.
     locked: (k,) indices of samples that stay where they are, or None; new ones may come between them.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     Samples: those that stay first, in their order and with their ids; new ids follow the largest. Their report measures

@@ -146,7 +146,7 @@ Args:
     count: number of dots, 1..100000000.
     {options}
     counts: of each ink, with the sum count; empty: in proportion to the inks' sums, by largest remainders.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     Stipples.

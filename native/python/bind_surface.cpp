@@ -203,7 +203,7 @@ py::object packed_surface(const Surface& surface) {
 
 Surface restored_surface(const py::object& state) {
   const auto items = state.cast<py::tuple>();
-  if (items.size() != 7) throw ArgumentError("it has another number of members");
+  if (items.size() != 7) throw ArgumentError("it has the wrong number of members");
   SurfaceRecord record;
   record.connectivity = items[0].cast<const SharedConnectivity&>().value;
   unpack(py::object(items[1]), record.vertices);
@@ -248,31 +248,32 @@ void bind_surface_class(py::module_& m) {
       .def_readonly("genus", &Topology::genus,
                     "Handles, summed over the components; -1 if not manifold.");
 
-  py::class_<Surface, std::shared_ptr<Surface>> type(m, "Surface",
-                                                     R"(Immutable, checked triangles with a density.
+  py::class_<Surface, std::shared_ptr<Surface>> type(
+      m, "Surface",
+      R"(An immutable, validated triangle mesh with a density.
 
 Args:
     vertices: (v, 3) float64, positions in any unit.
     faces: (m, 3) int32, vertex indices; degenerate, repeated and non-manifold faces are allowed.
     density: float64 >= 0, linear on each face; None means 1 everywhere.
-    density_at: where its values are: 'vertices', shape (v,): continuous; 'faces', (m,): constant on each face;
+    density_at: where the values are given: 'vertices', shape (v,): continuous; 'faces', (m,): constant on each face;
         'corners', (m, 3), row f for the corners 0, 1, 2 of face f: it may jump between faces.
     weld: border edges whose ends are within this distance of each other, as a share of the bounding box's diagonal,
         are connected like one edge: >= 0, 0 for equal coordinates. Files repeat vertices along hard edges and texture
         seams, triangle soups repeat all of them. Faces that lie on each other stay apart. None: faces are connected
         by the indices of their vertices alone.
-    normals: (m, 3, 3) float64, normals at the corners of the faces as the surface is shaded, of any length; zero
+    normals: (m, 3, 3) float64, normals at the corners of the faces for shading, of any length; zero
         where none is known. None: those of the faces, smooth except over hard edges.
     sharp_angle: edges whose faces' normals differ by more than this, in degrees 0..180, are hard.
     merge_doubled: whether faces that lie on each other corner by corner, turned the same way or not, count as one: the
         first of them. The others have no area, connect nothing, and get no samples. Corners are at one place as weld
-        says, or if their indices are equal. Faces that overlap in another way stay as they are.
-    context: a Context to watch and cancel it by.
+        says, or if their indices are equal. Faces that overlap otherwise are not changed.
+    context: a Context for progress and cancel.
 
 Raises:
     SurfaceError: naming the first offender: an index out of range, a number that is not finite, a negative density,
         a density or normals of another length, no area, or a density whose integral is 0 or not finite.
-    ValueError: an array of another shape or dtype, or another name.
+    ValueError: an array has the wrong shape or dtype, or a name is unknown.
     Cancelled: through the context.)");
   def_pickle<Surface>(type, "Surface", &packed_surface, &restored_surface);
   type.def(py::init(&make_surface), py::arg("vertices"), py::arg("faces"),
@@ -365,17 +366,17 @@ void bind_files(py::module_& m) {
         R"(The arrays of dapple3d.MeshArrays by name, from .off, .obj, .ply or .stl.
 
 Raises:
-    FileError: naming the file and what is wrong with it.)");
+    FileError: naming the file and the error.)");
   m.def("_read_vertex_columns", &vertex_columns, py::arg("path"),
         R"(All numbers of the vertices of a .ply file by name, also of one without faces.
 
 Raises:
-    FileError: naming the file and what is wrong with it.)");
+    FileError: naming the file and the error.)");
   m.def(
       "write_mesh", &write_mesh_arrays, py::arg("path"), py::arg("vertices"), py::arg("faces"),
       R"(Write a triangle mesh in the format of the suffix: .off, .obj, .ply or .stl (single precision).
 
-The file is written whole, or what was there stays.
+The file is written completely, or the old one is kept.
 
 Args:
     path: the file.
@@ -383,7 +384,7 @@ Args:
     faces: (m, 3) int32.
 
 Raises:
-    FileError: it cannot be written so.
+    FileError: the file cannot be written.
     SurfaceError: the arrays do not form a surface.)");
 }
 

@@ -87,9 +87,9 @@ that filtering does not bleed the background in at seams.
 Args:
     surface: a Surface with m faces.
     uv: (m, 3, 2) float64: texture coordinates of the corners; (0, 0) is the outer corner of the first texel, (1, 1)
-        that of the last. What lies outside [0, 1] is left out.
-    rows, columns: of the picture, >= 1; row 0 is at v = 0.
-    margin: how far beside the faces, in texels, >= 0.
+        that of the last. Parts outside [0, 1] are ignored.
+    rows, columns: size of the picture, >= 1; row 0 is at v = 0.
+    margin: width of the margin beside the faces, in texels, >= 0.
     context: a Context for progress and cancel.
 
 Returns:
@@ -104,7 +104,7 @@ Raises:
         R"(Which sample's decal covers each texel, and where on it (Chen et al. 2012, Fig. 16b).
 
 A square decal lies around each sample, its x axis along the tangent, y along normal x tangent; distances from its
-middle stay as they are in space. What faces away from the sample's normal is another sheet and gets nothing.
+center are kept. Faces turned away from the sample's normal belong to another sheet and get nothing.
 dapple3d.texturing.bake() paints with it.
 
 Args:

@@ -86,7 +86,8 @@ Surface surface_like(const Surface& before, std::span<const Vec3> vertices,
                      std::span<const Face> faces, Context* context) {
   if (!before.uniform())
     throw ArgumentError(
-        "faces are others than before, and the surface has a density: give the frame as a Surface "
+        "faces differ from the last frame, and the surface has a density: pass the frame as a "
+        "Surface "
         "with its density");
   return {vertices, faces, Density{},
           SurfaceOptions{.weld = before.weld(),
@@ -99,7 +100,7 @@ std::shared_ptr<Samples> advance_population(SharedPopulation& shared, const py::
                                             const py::object& faces, const ContextPtr& context) {
   if (py::isinstance<Surface>(vertices)) {
     if (!faces.is_none())
-      throw ArgumentError("faces are given beside a Surface, which has its own");
+      throw ArgumentError("faces must not be given with a Surface, which has its own");
     const auto next = vertices.cast<std::shared_ptr<Surface>>();
     const SharedPopulation::Change population(shared);
     return run(context, [&](Context* watched) {
@@ -242,7 +243,7 @@ void bind_tracker(py::module_& m) {
   const std::string documentation =
       documented(kTracker, R"(Carries samples over a deforming surface.
 
-They ride the moved vertices by their barycentric coordinates and are then re-optimized until they are as even as in
+They move with the vertices by their barycentric coordinates and are then optimized until they are as even as in
 the first frame; index and id of each stay (Chen et al. 2012, section 5.4).
 
 Args:
@@ -250,10 +251,10 @@ Args:
     samples: its Samples.
     {options}
     classes: the SampleClass of each class of the samples (their counts are the samples'), or None: all are one class.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Raises:
-    ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
+    ValueError: the samples do not belong to the surface, or their class is not given; an option out of range.
     Cancelled: through the context.)");
   py::class_<SharedTracker, std::shared_ptr<SharedTracker>> type(m, "Tracker",
                                                                  documentation.c_str());
@@ -266,38 +267,38 @@ Raises:
   type.def(
           "resume", &resume_tracker, py::arg("vertices"), py::arg("samples"), py::kw_only(),
           py::arg("settled") = false,
-          R"(Go on from a frame that was solved before: the next frames get the bytes that they would have had.
+          R"(Continue from a frame that was solved before: the next frames have the same bytes as without an interruption.
 
 Args:
     vertices: (v, 3) float64, of that frame.
     samples: Samples with its faces and barycentric coordinates, as many as the tracker has, made on that frame's
         surface, the present one or the first; ids and classes stay.
-    settled: what the property said then.
+    settled: the value of the property on that frame.
 
 Raises:
-    SurfaceError: vertices of another number or not finite.
-    ValueError: samples of another number, or of another surface: the first that is elsewhere is named.)")
+    SurfaceError: the number of vertices differs, or they are not finite.
+    ValueError: samples of another number, or of another surface: naming the first that is elsewhere.)")
       .def(
           "resume_on", &resume_tracker_on, py::arg("surface"), py::arg("vertices"),
           py::arg("samples"), py::arg("first"), py::kw_only(), py::arg("classes") = py::none(),
           py::arg("anywhere") = false, py::arg("context") = nullptr,
-          R"(Go on on other faces or another density of the same body, which has not moved since the last frame.
+          R"(Continue on other faces or another density of the same body, which has not moved since the last frame.
 
-Where what the density depends on moves, a surface is cut along it anew: the samples go on there, held to the evenness
-of the first frame. advance() then moves those that are where the density is 0 now to the nearest place that has some.
+If inputs of the density move, the surface is refined again: the samples continue there, with the evenness
+of the first frame as target. advance() then moves samples on density 0 to the nearest point with density.
 
 Args:
     surface: a Surface with the other faces or density, wherever the body is.
     vertices: (v, 3) float64, of that surface on the last frame.
     samples: Samples with the present samples' faces and barycentric coordinates there; ids and classes stay.
-    first: Samples of the surface, at whose places they were on the first frame.
+    first: Samples of the surface, at the positions of the first frame.
     classes: as when the tracker was made, on this surface.
-    anywhere: whether samples may go to wherever there is room, as on a surface that has got other parts; else only
+    anywhere: whether samples may move to any free area, as on a surface with new parts; otherwise only
         those that the density pushes together.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Raises:
-    SurfaceError: vertices of another number or not finite.
+    SurfaceError: the number of vertices differs, or they are not finite.
     ValueError: samples, first or classes of another number than before, or of another surface.
     Cancelled: through the context.)")
       .def_property_readonly(
@@ -307,17 +308,17 @@ Raises:
            py::arg("context") = nullptr,
            R"(Move to the next frame; the tracker is unchanged if this raises.
 
-A frame with the very vertices of the last one costs nothing once the tracker is settled: report.evaluations is 0.
+A frame with the same vertices as the last one costs nothing once the tracker is settled: report.evaluations is 0.
 
 Args:
     vertices: (v, 3) float64, as many as the surface has, in the same order.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     Samples of the new frame; report.slide_mean and slide_max are distances from the carried positions, in spacings.
 
 Raises:
-    SurfaceError: vertices of another number or not finite.
+    SurfaceError: the number of vertices differs, or they are not finite.
     Cancelled: through the context.)")
       .def_property_readonly(
           "surface",
@@ -343,10 +344,10 @@ Args:
     {options}
     classes: the SampleClass of each class of the samples, whose number per capacity is kept by itself (their counts are the
         samples'), or None: all are one class.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Raises:
-    ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
+    ValueError: the samples do not belong to the surface, or their class is not given; an option out of range.
     Cancelled: through the context.)");
   py::class_<SharedPopulation, std::shared_ptr<SharedPopulation>> type(m, "Population",
                                                                        documentation.c_str());
@@ -360,19 +361,19 @@ Raises:
            py::kw_only(), py::arg("context") = nullptr,
            R"(Move to the next frame; the population is unchanged if this raises.
 
-On other faces each sample goes on from the nearest place on its side of the surface, which the winding of the faces
-tells, if there is one within `reach`; one that has none has lost its surface and vanishes with it. Apart from those no
-more are born or die than the area changes by and 0.5 % of them. Meshes of one shape differ a little in area, so there
+On other faces each sample continues from the nearest point on its side of the surface, which the winding of the faces
+determines, if there is one within `reach`; otherwise it has lost its surface and vanishes. Apart from those no
+more are born or die than the change of area requires, plus 0.5 % of them. Meshes of one shape differ a little in area, so there
 their number may be off by 0.25 %.
 
 Args:
     vertices: (v, 3) float64, or a Surface with its faces and density.
     faces: (m, 3) int32, of the vertices; None: those of the surface, which has as many vertices in the same order.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
-    Samples of the new frame: those that stay, then those that vanish; their fade tells how far. report.births and
-    deaths count those that do so from this frame on; on other faces slides are from where samples go on.
+    Samples of the new frame: those that stay, then those that vanish; see their fade. report.births and
+    deaths count those that do so from this frame on; on other faces slides are measured from the points where samples continue.
 
 Raises:
     SurfaceError: vertices of another number without faces, or not finite; faces of no vertices.
@@ -381,21 +382,21 @@ Raises:
     Cancelled: through the context.)")
       .def(
           "resume", &resume_population, py::arg("surface"), py::arg("samples"), py::arg("state"),
-          R"(Go on from a frame that was solved before: the next frames get the bytes that they would have had.
+          R"(Continue from a frame that was solved before: the next frames have the same bytes as without an interruption.
 
-The population is one that began as that which solved the frame; it is unchanged if this raises.
+The population must have the same beginning as the one that solved the frame; it is unchanged if this raises.
 
 Args:
     surface: the Surface of that frame. To the last byte: where its faces are those of a frame before, that one's,
         deformed.
     samples: Samples with its faces, barycentric coordinates, ids and classes, made on that surface.
-    state: what the property said then.
+    state: the value of the property on that frame.
 
 Raises:
-    ValueError: naming what of the samples or the state does not fit.)")
+    ValueError: naming the first entry of the samples or the state that does not match.)")
       .def_property_readonly(
           "state", &state_of,
-          R"(What resume() needs of the current frame beside its surface and samples: a dict of arrays and numbers, for a file.
+          R"(The data of the current frame that resume() needs, beside its surface and samples: a dict of arrays and numbers, for a file.
 
 fades (n,) float64 per sample; first_faces (m,) int32 and first_barycentric (m, 3) float64, where each of the m samples
 that stay was on the first frame, on the current faces; starts (m + 1,) int64 and neighbors (k,) int32, rows of their
@@ -416,25 +417,25 @@ void bind_window(py::module_& m) {
       m, kTrackWindow, &window_of,
       R"(track_window(surface: Surface, samples: Samples, frames: Iterable[numpy.ndarray], *, {signature}, classes: Sequence[SampleClass | int] | None = None, context: Context | None = None) -> list[Samples]
 
-Samples on all frames of a motion at once, smooth both ways in time.
+Samples on all frames of a motion, solved together, smooth in both directions of time.
 
-A Tracker goes first; then sweeps go forwards and backwards over the frames and draw each sample to the middle between
+A Tracker runs first; then sweeps go forward and backward over the frames and draw each sample to the middle between
 where the surface carries it from the frame before and from the one after, as far as evenness allows.
 
 Args:
-    surface: the Surface of the first frame, which stays.
+    surface: the Surface of the first frame, which is not changed.
     frames: vertices, (v, 3) float64, of each frame after it.
     samples: Samples of the first frame.
     {options}
     classes: the SampleClass of each class of the samples (their counts are the samples'), or None: all are one class.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     list of Samples, of the first frame and of all after it; report.slide_mean and slide_max are distances from where
     the surface carries the samples of the frame before.
 
 Raises:
-    SurfaceError: vertices of another number or not finite.
+    SurfaceError: the number of vertices differs, or they are not finite.
     ValueError: samples that are not of the surface, or of a class that is not given; an option out of range.
     Cancelled: through the context.)",
       py::arg("surface"), py::arg("frames"), py::arg("samples"));
@@ -443,7 +444,7 @@ Raises:
 void bind_window_tracker(py::module_& m) {
   const std::string documentation = documented(
       kWindowTracker,
-      R"(Samples on a long motion, as smooth both ways in time as track_window() makes them, some frames at a time.
+      R"(Samples on a long motion, as smooth in both directions of time as with track_window(), some frames at a time.
 
 Pieces of the motion overlap: the last frames of each are solved again with the piece after it, over which what was
 found first passes into what is found then. So motion is as smooth at the seams as elsewhere, and no more than one piece
@@ -451,13 +452,13 @@ has to be in memory. track_pieces() does that for any number of frames.
 
 Args:
     surface: the Surface of the first frame.
-    samples: its Samples, which stay.
+    samples: its Samples, which are not changed.
     {options}
     classes: the SampleClass of each class of the samples (their counts are the samples'), or None: all are one class.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Raises:
-    ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
+    ValueError: the samples do not belong to the surface, or their class is not given; an option out of range.
     Cancelled: through the context.)");
   py::class_<SharedWindowTracker, std::shared_ptr<SharedWindowTracker>> type(m, "WindowTracker",
                                                                              documentation.c_str());
@@ -473,20 +474,20 @@ Raises:
 
 Args:
     frames: vertices, (v, 3) float64, of each; first of those that were ahead so far.
-    done: how many of them are done then: the last of these becomes the present frame, the others are ahead. If all are,
+    done: how many of them are final: the last of these becomes the present frame, the others are ahead. If all are,
         the motion ends there, and a closed one leads back to its first frame.
-    context: a Context to watch and cancel it by.
+    context: a Context for progress and cancel.
 
 Returns:
     list of Samples, of all these frames, as track_window() returns them.
 
 Raises:
-    SurfaceError: vertices of another number or not finite.
+    SurfaceError: the number of vertices differs, or they are not finite.
     ValueError: fewer frames than are ahead or done.
     Cancelled: through the context.)")
       .def(
           "resume", &resume_window, py::arg("vertices"), py::arg("samples"), py::arg("ahead"),
-          R"(Go on from frames that were solved before: the next ones get the bytes that they would have had.
+          R"(Continue from frames that were solved before: the next ones have the same bytes as without an interruption.
 
 Args:
     vertices: (v, 3) float64, of the present frame.
@@ -495,8 +496,8 @@ Args:
     ahead: list of Samples with those of the frames ahead.
 
 Raises:
-    SurfaceError: vertices of another number or not finite.
-    ValueError: samples of another number, or of another surface: the first that is elsewhere is named.)")
+    SurfaceError: the number of vertices differs, or they are not finite.
+    ValueError: samples of another number, or of another surface: naming the first that is elsewhere.)")
       .def_property_readonly(
           "surface",
           [](const SharedWindowTracker& t) {

@@ -29,8 +29,8 @@ ContextPtr part_of(const ContextPtr& whole, double start, double end) {
     throw ArgumentError("start and end are " + text_of(start) + " and " + text_of(end) +
                         ": 0 <= start <= end <= 1 is needed");
   if (whole->depth() >= kDeepest)
-    throw ArgumentError("the Context is a part of a part " + std::to_string(kDeepest) +
-                        " times: no more are possible");
+    throw ArgumentError("the Context is nested " + std::to_string(kDeepest) +
+                        " deep: deeper parts are not possible");
   return std::make_shared<SharedContext>(whole, start, end);
 }
 
@@ -63,8 +63,7 @@ void bind_context(py::module_& m) {
 
 /// pybind11 gives an object whose constructor was not called memory that nobody has written to.
 void* refuse_without_value(std::size_t) {
-  throw py::type_error(
-      "an object that was made by __new__ alone holds nothing: its __init__ has to be called");
+  throw py::type_error("the object is empty because only __new__ was called: call __init__ too");
 }
 
 void refuse_objects_without_values(const py::module_& m) {

@@ -87,7 +87,7 @@ void unpack_rows(const py::object& value, std::vector<T>& rows) {
   using Number = typename Flat<T>::Number;
   const auto array = py::array_t<Number, py::array::c_style>::ensure(value);
   if (!array || array.ndim() != 2 || array.shape(1) != static_cast<py::ssize_t>(Flat<T>::kWidth))
-    throw ArgumentError("an array of it has another shape or dtype");
+    throw ArgumentError("an array in it has the wrong shape or dtype");
   rows.resize(static_cast<std::size_t>(array.shape(0)));
   if (!rows.empty())
     std::memcpy(static_cast<void*>(rows.data()), array.data(), rows.size() * sizeof(T));
@@ -121,7 +121,7 @@ void unpack(const py::object& value, T& result) {
     const auto items = value.cast<py::tuple>();
     const auto all = members(result);
     if (items.size() != std::tuple_size_v<std::remove_cvref_t<decltype(all)>>)
-      throw ArgumentError("it has another number of members");
+      throw ArgumentError("it has the wrong number of members");
     std::size_t k = 0;
     std::apply([&](auto&... member) { (unpack(py::object(items[k++]), member), ...); }, all);
   } else if constexpr (kIsVector<T>) {
@@ -150,13 +150,13 @@ inline void check_equal(std::size_t a, std::size_t b) {
 /// \throw ArgumentError naming the class
 template <typename Restore>
 auto restored_from(const py::object& state, const char* name, const Restore& restore) {
-  const std::string start = std::string("the state is none of a ") + name + ": ";
+  const std::string start = std::string("the state does not belong to a ") + name + ": ";
   try {
     return restore(state);
   } catch (const ArgumentError& error) {
     throw ArgumentError(start + error.what());
   } catch (const py::cast_error&) {
-    throw ArgumentError(start + "it holds something else");
+    throw ArgumentError(start + "it has contents of the wrong type");
   }
 }
 
@@ -172,7 +172,7 @@ void def_pickle(Class& type, const char* name, const Pack& pack, const Restore& 
   };
   const auto set = [restore, name](const py::tuple& state) {
     if (state.size() != 2 || !py::isinstance<py::dict>(state[1]))
-      throw ArgumentError(std::string("the state is none of a ") + name);
+      throw ArgumentError(std::string("the state does not belong to a ") + name);
     return std::pair<T, py::dict>(restored_from(state[0], name, restore), state[1]);
   };
   type.def(py::pickle(get, set));

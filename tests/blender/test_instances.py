@@ -233,7 +233,7 @@ def test_instances_that_are_too_large_for_the_surface_become_as_large_as_fits():
     obj = with_classes(scenes.sphere(), {"instance": houses}, {"instance": trees}, count=60)
     for kind in obj.dapple.classes:
         kind.radius_from_bounds = True
-    with pytest.raises(RuntimeError, match="radii ask for discs"):
+    with pytest.raises(RuntimeError, match="radii need discs"):
         bpy.ops.dapple.optimize()
     for kind in obj.dapple.classes:
         kind.fit = 1.0

@@ -454,7 +454,7 @@ def test_refuses_broken_files(tmp_path):
     assert f"{path}: line 3 of its header" in refused("sample", path, out, "-n", 10)
     path = tmp_path / "mesh.strange"
     path.write_text("hello\n")
-    assert "known are .off, .obj, .ply" in refused("sample", path, out, "-n", 10)
+    assert "supported are .off, .obj, .ply" in refused("sample", path, out, "-n", 10)
     assert not out.exists()
 
 

@@ -94,7 +94,7 @@ def test_relaxes_classes_as_the_library_does(files, tmp_path):
     classes = [dapple.SampleClass(20, radius=0.1), dapple.SampleClass(200)]
     expect_same(out, dapple.relax(after, old, where, classes=classes))
     assert np.bincount(points.read_points(out).classes).tolist() == [20, 200]
-    assert "say by classes what each class is to be" in refused(*arguments)
+    assert "pass classes, one for each class of samples" in refused(*arguments)
 
 
 def test_relaxes_where_vertices_have_moved(files, tmp_path):

@@ -84,7 +84,7 @@ def test_an_stl_loses_no_triangle(tmp_path):
     assert len(dapple.read_mesh(path).faces) == 12
     path.write_bytes(content[:80] + struct.pack("<I", 20) + content[84:])
     said = refused("sample", path, tmp_path / "out.csv", "-n", 10)
-    assert f"{path}: is no STL file, or not all of it: it says that it has 20 triangles" in said
+    assert f"{path}: is not an STL file, or is cut off: it declares 20 triangles" in said
 
 
 def test_a_property_of_the_faces_of_a_ply_is_a_density(tmp_path):

@@ -39,7 +39,7 @@ def test_refuses_to_go_on_from_another_surface(mesh, surface, samples, tmp_path)
     """Also where its faces happen to have numbers that this surface has."""
     small = dapple.Surface(*torus(12, 8))
     large = dapple.Surface(*torus(90, 60))
-    elsewhere = r"samples.positions\[0\] is .* away from .*: it is of another surface"
+    elsewhere = r"samples.positions\[0\] is .* away from .*: it belongs to another surface"
     outside = r"samples.faces\[\d+\] is \d+, outside the surface's faces"
     for other, said in ((small, elsewhere), (large, outside)):
         there = dapple.sample(other, len(samples))
@@ -52,7 +52,7 @@ def test_refuses_to_go_on_from_another_surface(mesh, surface, samples, tmp_path)
         with pytest.raises(ValueError, match=said):
             window.resume(mesh[0], there, [])
         population, begun = dapple.Population(surface, samples), dapple.Population(other, there)
-        state = "state is of a frame with other faces"
+        state = "state belongs to a frame with other faces"
         for frame, points in ((surface, samples), (surface, there)):
             with pytest.raises(ValueError, match=state):
                 population.resume(frame, points, kept(begun, tmp_path / "other.npz")[1])
@@ -202,7 +202,7 @@ def test_a_population_refuses_classes_that_are_not_given(surface):
 def test_a_population_of_classes_refuses_other_faces(surface):
     start = dapple.sample_classes(surface, [60, 30])
     population = dapple.Population(surface, start, classes=[60, 30])
-    with pytest.raises(ValueError, match="without classes can go on there, these have 2"):
+    with pytest.raises(ValueError, match="without classes can continue there, these have 2"):
         population.advance(*torus(50, 24))
 
 
@@ -289,7 +289,7 @@ def test_a_population_follows_the_density_of_a_surface():
     other, triangles = torus(50, 24)
     with pytest.raises(ValueError, match="Surface with its density"):
         population.advance(other, triangles)
-    with pytest.raises(ValueError, match="faces are given beside a Surface"):
+    with pytest.raises(ValueError, match="faces must not be given with a Surface"):
         population.advance(surface, faces)
     now = population.advance(dapple.Surface(other, triangles, density=1.0 + (other[:, 0] > 0)))
     assert now.report.capacity_variation < 0.1

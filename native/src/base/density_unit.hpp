@@ -6,9 +6,9 @@
 
 namespace dapple {
 
-/// What densities of this mean, `scale * mean`, are multiplied by before they are integrated: 1,
-/// unless they are so far from 1 that sums of their squared integrals could leave the range of
-/// numbers. A power of two, which changes no digit.
+/// The factor for densities of the mean `scale * mean` before integration: 1 unless they are so far
+/// from 1 that sums of squared integrals could overflow or underflow. A power of two, so that no
+/// digit changes.
 inline double density_unit(double scale, double mean) {
   constexpr int kNear = 64, kFar = 1000;  // powers of two
   if (!(scale > 0.0 && mean > 0.0)) return 1.0;

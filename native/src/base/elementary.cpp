@@ -8,7 +8,7 @@
 namespace dapple {
 namespace {
 
-/// Taylor's series on [-pi / 4, pi / 4]: what is left out is below 1e-18.
+/// Taylor series on [-pi / 4, pi / 4]; the remainder is below 1e-18.
 Direction small_direction(double x) {
   const double xx = x * x;
   double cosine = 0.0, sine = 0.0;

@@ -11,7 +11,7 @@ struct Direction {
   double sine;
 };
 
-/// Of the angle 2 pi `turns`, to 2^-52.
+/// Sine and cosine of the angle 2 pi `turns`, to 2^-52.
 [[nodiscard]] Direction direction(double turns);
 
 /// As atan2(y, x), in [-pi, pi], to a relative 2^-50.
@@ -20,7 +20,7 @@ struct Direction {
 /// \param sine in [-1, 1]
 [[nodiscard]] double arc_sine(double sine);
 
-/// Natural, to 2^-51 of it or of 1.
+/// The natural logarithm, to 2^-51 relative to it or to 1.
 /// \param x finite, > 0
 [[nodiscard]] double logarithm(double x);
 

@@ -7,9 +7,9 @@
 
 namespace dapple {
 
-/// Tells ThreadSanitizer what oneTBB guarantees: threads that work for a caller see what it wrote
-/// before, and it sees afterwards what they wrote. The distributions' oneTBB is compiled without
-/// ThreadSanitizer, which therefore sees nothing of the kind. In other builds this does nothing.
+/// Declares to ThreadSanitizer what oneTBB guarantees: threads that work for a caller see its
+/// earlier writes, and it sees their writes afterward. The distributions' oneTBB is compiled
+/// without ThreadSanitizer, which therefore cannot know this. In other builds this does nothing.
 class HandOver {
  public:
   HandOver() { release(&given_); }

@@ -9,7 +9,7 @@
 
 namespace dapple {
 
-/// The parts of a thread's work that are of another stage than the rest, while someone asks.
+/// Times the parts of a thread's work that belong to another stage, if profiling is requested.
 class Laps {
  public:
   /// One such part; they do not nest.
@@ -44,9 +44,9 @@ class Laps {
   double seconds_ = 0.0;
 };
 
-/// A parallel loop in which work of the present stage and of another take turns many times a block.
-/// A few of the blocks are timed, each by the thread that runs it, and the other stage gets that
-/// share of the loop's wall time. Ends with its life.
+/// A parallel loop in which two stages alternate many times per block. A few blocks are timed by
+/// the threads that run them, and the other stage gets its share of the loop's wall time. The
+/// destructor ends the measurement.
 class SharedLoop {
  public:
   SharedLoop(const Context* context, Stage other)
@@ -55,7 +55,7 @@ class SharedLoop {
   SharedLoop(const SharedLoop&) = delete;
   SharedLoop& operator=(const SharedLoop&) = delete;
 
-  /// Do a block's work, of which `laps` time what is of the other stage. Any thread may.
+  /// Run a block, in which `laps` times the other stage. Any thread may call it.
   template <typename Work>
   void run(std::size_t block, Laps& laps, const Work& work) {
     if (!stopwatch_ || block % kEvery != 0) return work();

@@ -9,8 +9,8 @@
 
 namespace dapple {
 
-/// The number of a cell, at most so large; 0 for what is no number, as of points that are all at
-/// one place or too far apart for their distance to be one.
+/// The index of a cell, bounded from above; 0 for NaN, which results if all points coincide or
+/// their distance overflows.
 inline std::uint64_t cell_along(double along, double most) {
   return static_cast<std::uint64_t>(std::max(0.0, std::min(along, most)));
 }

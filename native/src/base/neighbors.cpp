@@ -12,7 +12,7 @@
 namespace dapple {
 
 struct Neighbors::Tree {
-  // The interface nanoflann asks of a point set.
+  // The interface that nanoflann requires of a point set.
   struct PointSet {
     std::span<const Vec3> points;
     bool building = true;
@@ -39,7 +39,7 @@ struct Neighbors::Tree {
 
 namespace {
 
-/// What nanoflann asks of a place for its findings: all points within a distance.
+/// A result set for nanoflann: all points within a distance.
 class Ball {
  public:
   Ball(double squared_radius, std::vector<Neighbor>& found)

@@ -19,7 +19,7 @@
 
 #include "base/hand_over.hpp"
 
-#ifdef _WIN32  // names that a header of the system, which TBB includes, takes for itself
+#ifdef _WIN32  // macros of a system header that TBB includes
 #undef near
 #undef far
 #undef small
@@ -29,7 +29,7 @@ namespace dapple {
 
 /// Run `body(begin, end)` over [0, count) in chunks of `grain`, whose bounds do not depend on the
 /// number of threads: what a chunk computes into its own slots is then the same for any number of
-/// them. The caller's Poll is asked between them.
+/// them. The caller's Poll is called between chunks.
 /// \throw Cancelled
 template <typename Body>
 void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
@@ -38,12 +38,12 @@ void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
     if (count > 0) body(std::size_t{0}, count);
     return;
   }
-  // All threads round as the caller's does: otherwise they take over what was set where TBB began
-  // to work, and Embree flushes denormal numbers to zero there.
+  // All threads use the caller's rounding mode. Otherwise they inherit the mode of the thread that
+  // started TBB, where Embree flushes denormal numbers to zero.
   using Group = tbb::task_group_context;
   Group group(Group::bound, Group::default_traits | Group::fp_settings);
   Poll* const poll = Poll::current();
-  HandOver all;  // last: what is written after it is not handed over
+  HandOver all;  // last, because later writes are not handed over
   const auto visit = [&](const auto& range) {
     const HandOver::Part part(all);
     const Poll::Share share(poll);
@@ -55,7 +55,7 @@ void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks, 1), visit, group);
 }
 
-/// Whether one value is less than another; asks a Poll now and then, as the addresses fall.
+/// Compares two values, and calls a Poll for some addresses.
 template <typename Less>
 struct PolledLess {
   Less less;
@@ -68,12 +68,12 @@ struct PolledLess {
   }
 };
 
-/// Sort values of which no two are equal, so that there is one order for any number of threads.
-/// \throw Cancelled by the caller's Poll; what was to be sorted is lost
+/// Sort distinct values, so that the order does not depend on the number of threads.
+/// \throw Cancelled by the caller's Poll; the values are then unspecified
 template <typename T, typename Less = std::less<>>
 void parallel_sort(std::vector<T>& values, const Less& compare = {}) {
   const PolledLess<Less> less{compare, Poll::current()};
-#ifdef DAPPLE_THREAD_SANITIZER  // which does not see what that of oneTBB hands over
+#ifdef DAPPLE_THREAD_SANITIZER  // it does not know the synchronization of oneTBB's sort
   std::sort(values.begin(), values.end(), less);
 #else
   tbb::parallel_sort(values.begin(), values.end(), less);
@@ -101,9 +101,9 @@ double parallel_sum(std::size_t count, std::size_t grain, const Term& term) {
 /// Run `work()` with at most `threads` threads (0: as many as the machine has), apart from what
 /// else the caller's threads do.
 /// \throw ArgumentError unless they are in 0..kMostThreads
-// Only fewer threads than there are need an arena of their own: oneTBB 2021.8 (Debian 12) keeps the
-// arenas of calls that end while no worker gets a processor, and its workers look for work in all
-// of them, so that on a busy machine many short calls took ever more memory and twice the time.
+// An arena is created only for fewer threads than the machine has: oneTBB 2021.8 (Debian 12) keeps
+// the arenas of calls that end while no worker gets a processor, and its workers search all of them
+// for work. On a busy machine many short calls then need ever more memory and twice the time.
 template <typename Work>
 auto with_threads(int threads, const Work& work) {
   check_range("threads", threads, {0.0, kMostThreads});

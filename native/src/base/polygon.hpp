@@ -15,7 +15,7 @@ class Polygon {
  public:
   struct Corner {
     Vec3 x;  ///< relative to the site
-    /// What the edge to the next corner lies on: plane k >= 0, or face edge -1-k.
+    /// The line of the edge to the next corner: plane k >= 0, or face edge -1-k.
     std::int32_t edge;
   };
 
@@ -60,7 +60,7 @@ class Polygon {
   /// Keep the part that was measured as not above 0; new edges are marked `plane`.
   // Sutherland and Hodgman: walk the corners, keep those inside, add one where an edge crosses the
   // plane. Rounding can make a polygon so slightly concave that a plane adds more than one. A
-  // processor cannot foretell which corners are inside, so there is no branch: what could be kept
+  // processor cannot predict which corners are inside, so there is no branch: what could be kept
   // is written, and counts or not.
   void cut(std::int32_t plane) {
     const std::size_t size = size_;
@@ -98,13 +98,13 @@ class Polygon {
   [[nodiscard]] double squared_radius() const { return squared_radius_; }
 
  private:
-  // Member by member: a copy of the whole would wait for what was written in parts.
+  // Member by member, because copying the whole stalls on partial writes.
   static void put(Corner& corner, const Triple& x, std::int32_t edge) {
     x.store(corner.x);
     corner.edge = edge;
   }
 
-  /// For polygons of that many corners, what is behind their last, and what a cut makes of them.
+  /// Capacity for the corners of ordinary polygons and for the corners that a cut adds.
   void make_room(std::size_t size) {
     if (2 * size + 1 <= kept_.size()) return;
     corners_.resize(4 * size + 1);

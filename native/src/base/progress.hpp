@@ -9,8 +9,8 @@
 
 namespace dapple {
 
-/// A stretch of the progress of a piece of work, for a part of it that counts from 0 to 1 by
-/// itself; nothing if nobody watches.
+/// An interval of the progress of some work, for a part that counts from 0 to 1 itself; without a
+/// context it does nothing.
 class Stretch {
  public:
   Stretch(Context* whole, double from, double to) {
@@ -28,19 +28,19 @@ class Stretch {
   std::optional<Context> part_;
 };
 
-/// Ask whether to go on, whether anybody watches or only the thread's Poll does.
+/// Check for cancellation by the context, or by the thread's Poll.
 inline void check_context(const Context* context) {
   if (context) return context->check();
   if (Poll* const poll = Poll::current()) poll->check();
 }
 
-/// In the loop over k: ask now and then whether to go on.
+/// In a loop over k: check for cancellation at intervals.
 inline void check_at(const Context* context, std::size_t k, std::size_t grain = 4096) {
   if (k % grain == 0) check_context(context);
 }
 inline void check_at(std::size_t k, std::size_t grain = 4096) { check_at(nullptr, k, grain); }
 
-/// The same, and say how far the loop of `count` is.
+/// The same, and report the progress of the loop over `count`.
 inline void report_at(Context* context, std::size_t k, std::size_t count,
                       std::size_t grain = 4096) {
   if (k % grain != 0) return;
@@ -48,7 +48,7 @@ inline void report_at(Context* context, std::size_t k, std::size_t count,
   if (context) context->advance(static_cast<double>(k) / static_cast<double>(count));
 }
 
-/// How much of `count` equal things several threads have done.
+/// Progress of several threads that share `count` equal steps.
 class Tally {
  public:
   Tally(Context* context, std::size_t count) : context_(context), count_(count) {}
@@ -65,7 +65,7 @@ class Tally {
   std::atomic<std::size_t> done_ = 0;
 };
 
-/// Sort, and ask now and then whether to go on; if not, what was to be sorted is lost.
+/// Sort, and check for cancellation at intervals; the values are unspecified after a cancellation.
 template <typename T>
 void sort_watched(std::vector<T>& values, Context* context) {
   if (!context && !Poll::current()) return std::sort(values.begin(), values.end());

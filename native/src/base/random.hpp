@@ -19,7 +19,7 @@ class Random {
     return z ^ (z >> 31);
   }
 
-  /// As it will be after so many numbers.
+  /// The generator after so many numbers.
   [[nodiscard]] Random after(std::uint64_t numbers) const {
     return Random(state_ + numbers * kStep);
   }

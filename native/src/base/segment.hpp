@@ -5,7 +5,7 @@
 
 namespace dapple {
 
-/// Squared, of the segment from p to p + along from the origin.
+/// The squared distance of the segment from p to p + along from the origin.
 /// \param p, along vectors of any kind that have dot()
 /// \pre along is not 0
 template <typename Vector>

@@ -7,15 +7,15 @@
 
 namespace dapple {
 
-/// Times the stages of one piece of work. It always is in one of them, so that they sum to the
-/// whole. Only the thread that does the work may use it, not those that it shares loops with.
+/// Times the stages of one piece of work. It is always in one of them, so their times sum to the
+/// total. Only the thread that does the work may use it, not threads that share its loops.
 class Stopwatch {
  public:
   /// Go over to a stage.
   /// \return the one so far
   Stage turn_to(Stage stage);
 
-  /// Count seconds of the present stage as of another.
+  /// Move seconds from the present stage to another.
   void credit(Stage stage, double seconds);
 
   /// The times so far.
@@ -28,7 +28,7 @@ class Stopwatch {
   Profile profile_;
 };
 
-/// While it lives, the work is in a stage.
+/// Puts the work in a stage during its lifetime.
 class StageSpan {
  public:
   /// \param context nothing happens if it is null, or times nothing
@@ -47,7 +47,7 @@ class StageSpan {
   Stage before_ = Stage::kOther;
 };
 
-/// What `work()` returns, done in a stage.
+/// Runs `work()` in a stage and returns its result.
 template <typename Work>
 auto in_stage(const Context* context, Stage stage, const Work& work) {
   const StageSpan span(context, stage);

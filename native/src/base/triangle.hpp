@@ -6,7 +6,7 @@
 
 namespace dapple {
 
-/// What the corners' values make together, each with its weight.
+/// The weighted sum of the corners' values.
 inline Vec3 combined(const std::array<Vec3, 3>& corners, const Vec3& weights) {
   return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
 }

@@ -6,9 +6,9 @@
 
 namespace dapple {
 
-/// Three numbers that stay in registers. Eigen takes two numbers of a Vec3 at once and the third
-/// alone, and they go through memory where the two ways meet: too slow for what is done once for
-/// each corner of each piece of a cell. Sums have the same order, so results are the same bytes.
+/// Three numbers that stay in registers. Eigen processes two numbers of a Vec3 at once and the
+/// third alone, and passes them through memory in between: too slow for each corner of each piece
+/// of a cell. Sums have the same order, so results are the same bytes.
 struct Triple {
   double x, y, z;
 

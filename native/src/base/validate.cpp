@@ -59,7 +59,7 @@ void check_ids_left(std::int64_t last, std::size_t more) {
   constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
   if (last + static_cast<std::int64_t>(more) > kMost)
     throw ArgumentError("ids go up to " + std::to_string(last) + ": " + std::to_string(more) +
-                        " more, each above all before, would exceed " + std::to_string(kMost));
+                        " more new ids would exceed " + std::to_string(kMost));
 }
 
 void check_pixels(const char* name, std::size_t rows, std::size_t columns) {

@@ -27,14 +27,14 @@ void check_finite(const char* name, std::span<const Vec3> points) {
                     number(points[k][axis]));
 }
 
-/// \throw SurfaceError naming the first face with a vertex that is not there; if there is no face
+/// \throw SurfaceError naming the first face with a missing vertex; if there is no face
 void check_faces(std::span<const Face> faces, std::size_t vertex_count);
 
 /// \throw ArgumentError naming the first index outside the surface's faces
 void check_face_indices(const char* name, std::span<const std::int32_t> faces,
                         std::size_t face_count);
 
-/// For options that a function has no use for.
+/// For options that a function ignores.
 /// \param why there may be none
 /// \throw ArgumentError if there are locked sites
 void check_none_locked(const char* name, const Sites& locked, const char* why);

@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kBlock = 1 << 20;  // bytes between two checks
 
-/// \throw FileError with what the system says about the last call
+/// \throw FileError with the system's message about the last call
 [[noreturn]] void refuse(const fs::path& path, const char* what) {
   const std::string reason = errno != 0 ? std::string(": ") + std::strerror(errno) : "";
   throw FileError(path.string() + " could not be " + what + reason);
 }
 
-/// Closed before it is judged: much is written only then.
+/// Closes the file before checking it, because much is written only then.
 bool put(const fs::path& path, const std::string& content) {
   errno = 0;
   std::ofstream file(path, std::ios::binary);
@@ -39,14 +39,14 @@ bool put(const fs::path& path, const std::string& content) {
 
 fs::path beside(const fs::path& path) {
   std::random_device random;
-  fs::path name(".");  // no part of it is the file's own name, which may be as long as names can be
+  fs::path name(".");  // independent of the file's name, which may have the maximal length
   name += std::to_string(random());
   name += std::to_string(random());
   name += ".part";
   return path.parent_path() / name;
 }
 
-/// A file beside another that is to take its place; gone if it does not.
+/// A file beside the one that it will replace; removed unless it does.
 class Part {
  public:
   explicit Part(const fs::path& target) : path_(beside(target)) {}

@@ -6,8 +6,8 @@
 
 namespace dapple {
 
-/// Write a file whole, or leave what was there: the content goes into another beside it, which then
-/// takes its place. A link stays one; what is no regular file (a device, a pipe) is written into.
+/// Write a file completely or keep the old one: the content goes into a temporary file, which then
+/// replaces it. A link stays a link; devices and pipes are written to directly.
 /// \throw FileError naming the file and why it could not be written
 void write_whole(const std::filesystem::path& path, const std::string& content);
 

@@ -17,15 +17,15 @@ namespace {
 using Mat3 = Eigen::Matrix3d;
 
 constexpr double kAtBorder = 1e-6;  // weight of a face at a border, whose normals are one-sided
-// Of the progress: how long each step takes against another.
+// Shares of the progress of each step.
 constexpr double kOriented = 1.0, kNormals = 1.0, kTensors = 5.0, kSmoothed = 6.0;
 constexpr double kFound = 0.95;
-constexpr double kKnown = 0.85;  // of that of a density: the curvature is known
+constexpr double kKnown = 0.85;  // share of the progress of a density when the curvature is known
 constexpr double kFlat = 1e-9;   // curvedness times size: below that it is rounding
 
 std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-/// 1 or -1 per ordered face, so that times their sign neighbors face the same way.
+/// A sign per ordered face; multiplied by it, the normals of neighbors point to the same side.
 std::vector<double> orient(const Surface& surface, const Context* context) {
   std::vector<double> signs(surface.face_count(), 0.0);
   std::vector<std::int32_t> pending;
@@ -52,12 +52,12 @@ std::vector<double> orient(const Surface& surface, const Context* context) {
   return signs;
 }
 
-/// Sums over the neighborhood of a vertex: of weight times tensor, and of weight.
+/// Sums of weighted tensors and of weights over the neighborhood of a vertex.
 struct WeightedTensor {
   Mat3 sum = Mat3::Zero();
   double weight = 0.0;
 
-  /// Add a part, turned as its normal is turned onto ours.
+  /// Add a part, rotated by the rotation from its normal to ours.
   void add(const WeightedTensor& part, const Vec3& normal, const Vec3& ours, double scale = 1.0) {
     if (part.weight <= 0.0) return;
     const Mat3 turn = turning(normal, ours);
@@ -73,8 +73,8 @@ struct WeightedTensor {
   }
 };
 
-/// Normals and curvature tensors, in the surface's own order; those of vertices that hang together
-/// stand at the lowest of them.
+/// Normals and curvature tensors in the surface's own order; welded vertices store them at the
+/// lowest vertex.
 class CurvatureField {
  public:
   CurvatureField(const Surface& surface, int smoothing, Context* context)
@@ -114,7 +114,7 @@ class CurvatureField {
   [[nodiscard]] Face corners(std::size_t f) const {
     return surface_.ordered().welded_corners(nth_face(f));
   }
-  /// Whether a face says nothing of the curvature: it has no area, or two of its corners are
+  /// Whether a face has no information about curvature: it has no area, or two of its corners are
   /// welded.
   [[nodiscard]] bool is_lost(std::size_t f) const {
     const auto [a, b, c] = corners(f);

@@ -18,7 +18,7 @@ constexpr double kFew = 8.0;     // cells on a piece
 constexpr double kNarrow = 1.0;  // spacings: a narrower face has all its cells in one row
 constexpr std::size_t kMostFaces = 100'000'000;
 
-/// The largest power of two that is not above it: what is cut for one number serves its neighbors.
+/// The largest power of two not above the number, so that similar numbers share a refinement.
 std::size_t order_of(std::size_t count) { return std::bit_floor(std::max<std::size_t>(count, 1)); }
 
 double area_of(const Piece& piece) {
@@ -53,7 +53,7 @@ bool has_large_face(const Surface& surface, double capacity) {
   return found;
 }
 
-/// Of a point of a face; those of sites need not be given.
+/// Barycentric coordinates of a point of a face; sites may lack them.
 Vec3 weights_of(const Surface& surface, const Sites& sites, std::size_t k) {
   if (!sites.barycentric.empty()) return sites.barycentric[k];
   const auto [a, b, c] = surface.ordered().corners(surface.ordered().ordered_face(sites.faces[k]));

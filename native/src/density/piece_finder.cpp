@@ -70,7 +70,7 @@ void PieceFinder::for_each_cell(std::size_t piece, const Visit& visit) const {
       visit(grid.first + static_cast<std::size_t>(row * grid.side + column));
 }
 
-/// On the face that counts where this one lies on it: no piece is of a face that does not count.
+/// Replaces a doubled face by the one that counts; only that one has pieces.
 PieceFinder::Found PieceFinder::find_below(std::int32_t parent, const Vec3& weights) const {
   const Surface& surface = refined_.original;
   const OrderedSurface& mesh = surface.ordered();
@@ -81,7 +81,7 @@ PieceFinder::Found PieceFinder::find_below(std::int32_t parent, const Vec3& weig
                                   mesh.vertex(c)));
 }
 
-// Where pieces meet, the lowest holds the point.
+// A point shared by pieces belongs to the lowest one.
 PieceFinder::Found PieceFinder::find(std::int32_t parent, const Vec3& weights) const {
   const OrderedSurface& mesh = refined_.original.ordered();
   if (!mesh.counts(mesh.ordered_face(parent))) return find_below(parent, weights);

@@ -13,8 +13,8 @@ namespace dapple {
 namespace {
 
 constexpr std::int32_t kNone = -1;
-// Of the progress: cutting, and of what is left of that each round; nobody knows how many there
-// will be, and the last ones take longest.
+// Shares of the progress: cutting, and each round as a share of the remaining cutting, because the
+// number of rounds is unknown and the last ones take longest.
 constexpr double kCut = 0.5;
 constexpr double kRound = 0.25;
 
@@ -22,7 +22,7 @@ constexpr std::size_t kMoved = 4096;  // values between two checks
 
 std::int32_t as_int(std::size_t k) { return static_cast<std::int32_t>(k); }
 
-/// Make room for so many values, moving a few of those that are there at a time: a vector that
+/// Reserve space for so many values and move the existing ones in small portions: a vector that
 /// grows by itself moves gigabytes at once.
 template <typename T>
 void reserve_watched(std::vector<T>& values, std::size_t count, const Context* context) {
@@ -56,7 +56,7 @@ struct Triangle {
   bool fresh = true;  // the criterion has not seen it
 };
 
-/// Per vertex, what stands for it in the welded faces.
+/// Per vertex, its representative in the welded faces.
 std::vector<std::int32_t> welded_vertices(std::span<const Face> faces, std::span<const Face> welded,
                                           std::size_t count) {
   std::vector<std::int32_t> result(count, kNone);
@@ -66,8 +66,8 @@ std::vector<std::int32_t> welded_vertices(std::span<const Face> faces, std::span
   return result;
 }
 
-/// Triangles that know their edges, and edges their halves: neighbors find the same midpoints, or
-/// where their vertices are not the same, midpoints at the same place.
+/// Triangles store their edges, and edges their halves: neighbors find the same midpoints, or
+/// midpoints at the same place if their vertices differ.
 class CutMesh {
  public:
   CutMesh(const Surface& surface, const Context* context)
@@ -90,7 +90,7 @@ class CutMesh {
     }
   }
 
-  /// Ask about the pieces not yet seen; true if an edge is marked.
+  /// Evaluate the criterion for new pieces; true if an edge is marked.
   /// \param all also those of faces without area
   bool mark(const Criterion& criterion, bool all) {
     std::vector<EdgeMarks> marks(triangles_.size(), EdgeMarks{});
@@ -109,7 +109,7 @@ class CutMesh {
     return any;
   }
 
-  /// With an edge of a triangle mark its longest, until that holds everywhere.
+  /// Mark the longest edge of each triangle with a marked edge, until nothing changes.
   void close() {
     for (bool changed = true; changed;) {
       changed = false;
@@ -161,7 +161,7 @@ class CutMesh {
   [[nodiscard]] Refined result(bool resolved, Context* context) &&;
 
  private:
-  /// For the halves of edges, and an edge in each triangle that is cut off.
+  /// Reserve space for the halves of edges, and for an edge in each triangle that is cut.
   void make_room(std::size_t halved, std::size_t triangles) {
     reserve_watched(edges_, edges_.size() + 2 * halved + triangles, context_);
     reserve_watched(vertices_, vertices_.size() + halved, context_);
@@ -205,7 +205,7 @@ class CutMesh {
       edge(twins[k]).twin = twins[(k + 1) % twins.size()];
   }
 
-  /// The edge between two vertices among those of a place, which it joins if it is new.
+  /// The edge between two vertices among the edges of a place; it is added if it is new.
   std::int32_t numbered(std::int32_t a, std::int32_t b, std::vector<std::int32_t>& twins) {
     const auto found = std::find_if(twins.begin(), twins.end(), [&](std::int32_t e) {
       return edge(e).ends == std::array{a, b};
@@ -314,7 +314,7 @@ class CutMesh {
     return result;
   }
 
-  /// Per vertex, what stands for all at its place.
+  /// Per vertex, the representative of all vertices at its place.
   [[nodiscard]] std::vector<std::int32_t> places() const {
     std::vector<std::int32_t> result(vertices_.size());
     std::iota(result.begin(), result.end(), 0);

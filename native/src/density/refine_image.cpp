@@ -12,9 +12,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kCut = 0.8;          // of the progress: all faces are cut ...
+constexpr double kCut = 0.8;          // share of the progress when all faces are cut ...
 constexpr double kFilled = 0.9;       // ... and have their density
-constexpr double kPatch = 32.0;       // pixels: larger pieces are not looked at pixel by pixel
+constexpr double kPatch = 32.0;       // pixels: larger pieces are not tested pixel by pixel
 constexpr double kLinear = 1e-12;     // of the maximum: a second difference that is rounding
 constexpr double kLatticeStep = 0.5;  // pixels
 
@@ -25,7 +25,7 @@ double longest_edge(const PixelTriangle& t) {
   return std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
 }
 
-/// The picture as a function of the plane.
+/// The picture as a function in the plane.
 class Picture {
  public:
   Picture(const Image& image, bool repeat)
@@ -42,7 +42,7 @@ class Picture {
     return uv.cwiseProduct(size_) - Vec2::Constant(0.5);
   }
 
-  /// Bilinear between the centers of pixels.
+  /// The bilinear interpolation between the centers of pixels.
   [[nodiscard]] double operator()(const Vec2& at) const {
     const double x = std::floor(at.x()), y = std::floor(at.y());
     const double s = at.x() - x, t = at.y() - y;
@@ -52,7 +52,7 @@ class Picture {
            t * ((1.0 - s) * value(left, high) + s * value(right, high));
   }
 
-  /// Whether the picture may be other than linear over the triangle's bounding box.
+  /// Whether the picture may be nonlinear in the triangle's bounding box.
   [[nodiscard]] bool bends_over(const PixelTriangle& t) const {
     const Vec2 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]).array().floor();
     const Vec2 high = t[0].cwiseMax(t[1]).cwiseMax(t[2]).array().floor() + 1.0;
@@ -76,7 +76,7 @@ class Picture {
     return image_->values[row * image_->columns + column];
   }
 
-  /// The pixels from low to high; two ranges where a repeated picture begins anew in between.
+  /// The pixels from low to high; two ranges if a repeated picture wraps in between.
   [[nodiscard]] std::vector<Range> ranges(double low, double high, std::size_t count) const {
     if (!repeat_) return {{index(low, count), index(high, count) + 1}};
     if (high - low + 1.0 >= static_cast<double>(count)) return {{0, count}};
@@ -185,7 +185,7 @@ double longest_edge(const Piece& piece) {
   return std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
 }
 
-/// The longer edges of a piece that the picture is not linear on, unless they are short.
+/// The edges of a piece to be halved where the picture is not linear, unless they are short.
 EdgeMarks unresolved_edges(const Picture& picture, const PixelTriangle& t, const Piece& piece,
                            const ImageOptions& options) {
   const double longest = longest_edge(t);

@@ -13,7 +13,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kCut = 0.8;         // of the progress: all faces are cut ...
+constexpr double kCut = 0.8;         // share of the progress when all faces are cut ...
 constexpr double kFilled = 0.9;      // ... and have their density
 constexpr double kRounding = 1e-14;  // of the largest coordinate, in the position of a sample
 
@@ -74,7 +74,7 @@ class Balls {
   std::vector<std::vector<std::size_t>> of_face_;
 };
 
-/// A surface that is cut already, as refine() returns it where nothing is to be cut.
+/// A refinement without any cuts, as refine() returns it for a refined surface.
 Refined uncut(const Surface& surface) {
   Refined refined{surface, surface, {}, {}, {}, true};
   for (std::size_t f = 0; f < surface.face_count(); ++f) {

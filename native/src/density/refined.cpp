@@ -26,7 +26,7 @@ Refined Refined::then(const Refined& finer) const {
   check_same_length("faces of finer's original", finer.original.face_count(), "the surface",
                     surface.face_count());
   if (!finer.original.same_faces(surface))
-    throw ArgumentError("finer.original is not made of this surface: refine what this one made");
+    throw ArgumentError("finer.original is not the refined surface: refine that one again");
   Refined result{original, finer.surface, {}, {}, ends, resolved && finer.resolved};
   result.ends.insert(result.ends.end(), finer.ends.begin(), finer.ends.end());
   for (std::size_t f = 0; f < finer.parents.size(); ++f) {

@@ -10,7 +10,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kFilled = 0.8;        // of the progress: only the margin is missing
+constexpr double kFilled = 0.8;        // share of the progress before the margin
 constexpr double kOnEdge = -1e-12;     // barycentric coordinate of a texel's center on an edge
 constexpr std::size_t kGrain = 65536;  // texels between two checks
 
@@ -78,7 +78,7 @@ void fill(const TexelTriangle& triangle, std::int32_t face, Texels& result,
   }
 }
 
-/// Texels with a face that touch one without, grown outwards by one texel at a time.
+/// Texels with a face next to texels without one; the margin grows by one texel at a time.
 class Margin {
  public:
   Margin(std::span<const FaceUv> uv, Texels& texels, const Context* context)
@@ -136,7 +136,7 @@ Texels texels(const Surface& surface, std::span<const FaceUv> uv, std::size_t ro
   Texels result{rows, columns, {}, {}};
   result.faces.reserve(rows * columns);
   result.barycentric.reserve(rows * columns);
-  for (std::size_t row = 0; row < rows; ++row) {  // memory is slow where it is written to first
+  for (std::size_t row = 0; row < rows; ++row) {  // the first write to memory is slow
     check_context(context);
     result.faces.insert(result.faces.end(), columns, -1);
     result.barycentric.insert(result.barycentric.end(), columns, Vec3::Zero());

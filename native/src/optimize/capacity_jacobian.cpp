@@ -41,8 +41,8 @@ struct Pair {
   std::size_t cell, other;
 };
 
-/// Where a cell lists a neighbor that does not list it, which rounding can do and uncovered faces
-/// do: the neighbor, then the cell; sorted.
+/// Pairs (neighbor, cell) in which the cell lists a neighbor that does not list the cell, because
+/// of rounding or uncovered faces; sorted.
 std::vector<Pair> one_sided(const RestrictedVoronoi& diagram) {
   const std::size_t count = diagram.cells.size();
   std::vector<std::vector<Pair>> found((count + kGrain - 1) / kGrain);

@@ -11,13 +11,13 @@
 namespace dapple {
 namespace {
 
-constexpr int kSweeps = 20;           // over the pairs that moves bring too near
-constexpr double kNearly = 1e-4;      // of R: as much may be left of ...
-constexpr double kMargin = 3e-4;      // ... what is kept beyond it
+constexpr int kSweeps = 20;           // over the pairs that moves bring too close
+constexpr double kNearly = 1e-4;      // of R: the overlap that may remain ...
+constexpr double kMargin = 3e-4;      // ... and the distance kept beyond R
 constexpr double kCoincident = 1e-9;  // of R: distance between sites at one place
 constexpr double kSameSide = -0.5;    // cosine between normals: 120 degrees
 
-/// Things of one radius, with their images around the torus.
+/// Discs of one radius, with their images around the torus.
 class Crowd {
  public:
   Crowd(const Sites& sites, std::vector<std::int32_t> members, double period)
@@ -60,8 +60,8 @@ class Crowd {
   std::unique_ptr<Neighbors> tree_;
 };
 
-/// Coincident sites overlap too, and have to leave in some direction; on a face without area, which
-/// has no normal, in any.
+/// Coincident sites overlap too, and must move apart in some direction; on a face without area,
+/// which has no normal, in any.
 Vec3 never_zero(const Vec3& offset, const Vec3& normal, double apart) {
   if (offset.squaredNorm() > 0.0) return offset;
   const Vec3 along = normal.squaredNorm() > 0.0 ? normal.unitOrthogonal() : Vec3(Vec3::UnitX());
@@ -98,16 +98,16 @@ void for_each_pair(const Discs& discs, double beyond, const Visit& visit) {
   }
 }
 
-/// Two discs that moves may bring together. The way between them is tangential at either end: a
-/// site does not leave its plane.
+/// Two discs that moves may bring into contact. Directions are tangential at both ends, because a
+/// site stays in its plane.
 struct Contact {
   std::size_t i, j;
   double gap;       ///< distance - R
   Vec3 at_i, at_j;  ///< the direction from j to i, in the plane of each; zero where it is locked
   double room;      ///< gap that each unit along at_i and -at_j gives
-  double nearly;    ///< as much may be left
+  double nearly;    ///< the overlap that may remain
 
-  /// By how much too near the moves bring them.
+  /// The overlap after the moves.
   [[nodiscard]] double excess(const Vectors& moves) const {
     return -(gap + at_i.dot(moves[i]) - at_j.dot(moves[j]));
   }
@@ -155,13 +155,13 @@ Repulsion evaluate_disc_repulsion(const Discs& discs, double weight) {
 }
 
 // Each contact is a half-space of moves; they are projected onto one after another (Gauss-Seidel),
-// so that what presses against others yields where it has room, along them too.
+// so that a disc pressed against others moves where it has room, also along them.
 void keep_discs_apart(const Discs& discs, const std::vector<bool>& locked, Vectors& moves) {
   const double reach = 2.0 * longest(moves);
   std::vector<Contact> contacts = contacts_of(discs, locked, reach);
   const double push = largest_excess(contacts, moves);
   if (!(push > 0.0)) return;
-  contacts = contacts_of(discs, locked, reach + 2.0 * push);  // what is pushed may meet others
+  contacts = contacts_of(discs, locked, reach + 2.0 * push);  // pushed discs may meet others
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     bool any = false;
     for (const Contact& contact : contacts) {

@@ -19,7 +19,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kCut = 0.3;  // of the progress of an evaluation: large faces are cut
+constexpr double kCut = 0.3;  // share of the progress of an evaluation when large faces are cut
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void SurfaceDomain::update_cells(RestrictedVoronoi& diagram, const Sites& sites,
 
 Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                              const Context* context) const {
-  if (points.empty()) return {};  // no projector is made for nothing
+  if (points.empty()) return {};  // create no projector without need
   const bool walks = steps_ == Steps::kConnected && !hints.empty();
   if (walks) check_hints(surface_, points, hints);
   const Surface ground = stepping_surface();
@@ -69,7 +69,7 @@ Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }
 
-/// A walk from a face without density may have met no other: then the nearest of all is taken.
+/// If a walk from a face without density meets no face with density, the nearest of all is taken.
 void SurfaceDomain::lead_from_empty_faces(const Surface& ground, std::span<const Vec3> points,
                                           Projection& found, const Context* context) const {
   if (ground.uniform()) return;
@@ -83,7 +83,7 @@ void SurfaceDomain::lead_from_empty_faces(const Surface& ground, std::span<const
   }
 }
 
-/// Where sites may come to be: on a rim no step would take them off again.
+/// Where sites may start: no step would move them off a rim.
 Surface SurfaceDomain::stepping_surface() const {
   const std::shared_ptr<const SidedSurface> sided = cell_surfaces_->known(surface_);
   return sided ? sided->without_rims : surface_;
@@ -94,8 +94,8 @@ const Projector& SurfaceDomain::projector(const Context* context) const {
     const std::scoped_lock lock(making_);
     if (projector_) return *projector_;
   }
-  // Without the lock: a Poll that is asked meanwhile may itself come here. Isolated: while Embree
-  // waits for its own tasks, this thread begins no other of ours.
+  // Without the lock, because a Poll may call this function again. Isolated, so that this thread
+  // starts no other of our tasks while Embree waits for its own.
   auto made = tbb::this_task_arena::isolate([&] {
     return std::make_unique<const Projector>(stepping_surface(), /*support_only=*/true, context);
   });

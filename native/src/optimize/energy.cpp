@@ -11,7 +11,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kWhole = 1e-6;  // what is missing of a whole by rounding
+constexpr double kWhole = 1e-6;  // rounding error of the total
 
 /// dE/dx_i = 2 m_i (x_i - c_i) + 2 lambda sum_j (|V_i| - |V_j|) a_ij (paper, equations 4, 5 and
 /// Theorem 2).

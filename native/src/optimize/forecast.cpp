@@ -8,8 +8,8 @@ namespace dapple {
 namespace {
 
 constexpr double kToRestore = 4.0;   // evaluations that a frame takes
-constexpr double kAlmost = 0.8;      // of those expected; the rest comes ever slower
-constexpr int kRememberedLeast = 3;  // decreases by which the number is expected, and ...
+constexpr double kAlmost = 0.8;      // share of the expected ones; the rest becomes ever slower
+constexpr int kRememberedLeast = 3;  // decreases used for the forecast, at least, and ...
 constexpr int kRememberedPart = 2;   // ... this part of all
 constexpr double kLeast = 1e-9;      // decrease, relative: a smaller one is rounding
 

@@ -26,7 +26,7 @@ std::size_t site_of(const Term& term, std::size_t member) {
   return term.members.empty() ? member : static_cast<std::size_t>(term.members[member]);
 }
 
-/// Call visit(i, j, pair, scale) for every pair that repels, with the numbers of their sites.
+/// Call visit(i, j, pair, scale) for every repelling pair, with the indices of its sites.
 template <typename Visit>
 void for_each_pair(const Objective& objective, const Evaluation& state, const Visit& visit) {
   for (std::size_t t = 0; t < state.parts.size(); ++t) {

@@ -15,9 +15,9 @@ constexpr double kArmijo = 1e-4;  // share of the predicted decrease that a step
 constexpr double kFirstStep =
     0.25;  // of the longest step allowed, when nothing is known of the curvature
 constexpr double kHold = 0.25;      // share of its step that a site beside a jump keeps
-constexpr double kHoldMost = 0.05;  // share of the sites that a jump may be blamed on
-// What a step rises above its slope falls to a quarter when the step is halved, at a crease to
-// half; where more than this is left, the energy jumps, as it does where uncovered faces change
+constexpr double kHoldMost = 0.05;  // largest share of sites to which a jump is attributed
+// The rise of a step above its slope falls to a quarter when the step is halved, at a crease to
+// half; if more than this remains, the energy jumps, as it does where uncovered faces change
 // owners.
 constexpr double kJump = 0.6;
 
@@ -36,7 +36,7 @@ Vectors uncut_direction(const Objective& objective, const Evaluation& state, dou
   });
 }
 
-/// The sites by how much the energy rises at them, the most first, as far as may be blamed.
+/// The sites at which the energy rises most, in descending order, up to kHoldMost of all.
 std::vector<std::size_t> worst_sites(const std::vector<double>& rise) {
   std::vector<std::size_t> order(rise.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -18,15 +18,16 @@ namespace dapple {
 namespace {
 
 constexpr int kBacktracks = 6;     // shortenings of a step before it counts as failed
-constexpr int kFewBacktracks = 3;  // while restoring: the next frame goes on
+constexpr int kFewBacktracks = 3;  // while restoring: the next frame continues
 constexpr int kReinsertions = 8;   // in one run
 constexpr int kUncut = 5;          // steps in a row that no jump has cut
 constexpr int kGrace = 12;         // evaluations more, once, where steps were held back
-constexpr double kLocal = 1e-2;    // of the tolerance: what is left to restore is in a few places
-constexpr int kFailures = 5;       // steps without any decrease: rounding is all that is left
+constexpr double kLocal = 1e-2;    // of the tolerance, if only a few places remain to be restored
+constexpr int kFailures = 5;       // steps without any decrease: only rounding remains
 constexpr int kFewFailures = 2;    // while restoring
-constexpr double kStuck = 5e-4;  // of the energy: what the model may promise where steps are small
-constexpr double kRounding = 1e-9;  // of the energy: a promise that rounding may break
+constexpr double kStuck =
+    5e-4;  // of the energy: the decrease that the model may predict if steps are small
+constexpr double kRounding = 1e-9;  // of the energy: a predicted decrease below rounding errors
 
 class Minimizer {
  public:
@@ -122,8 +123,8 @@ class Minimizer {
                              : lbfgs_direction(objective_, state_, options_.max_step, history_);
   }
 
-  /// A quasi-Newton step promises half its slope: where even that is small, or hidden by a jump,
-  /// failing to get it is convergence.
+  /// A quasi-Newton step predicts a decrease of half its slope. If even that is small, or hidden by
+  /// a jump, failing to reach it means convergence.
   void update_stopping(const Step& step, double slope) {
     const double promised = -0.5 * slope;
     const double hoped = promised > step.jump ? promised : 0.0;
@@ -137,7 +138,7 @@ class Minimizer {
     go_on();
   }
 
-  /// From the state that was tried.
+  /// Continue from the state that was tried.
   void go_on() {
     std::swap(state_, trial_);
     shrink_radii(objective_, state_);
@@ -145,7 +146,7 @@ class Minimizer {
     note_energy();
   }
 
-  /// Move sites without a cell to where there is room, if that lowers what is minimized.
+  /// Move sites without a cell to large cells if that decreases the energy.
   void reinsert_empty_cells() {
     if (result_.evaluations >= options_.max_evaluations || reinsertions_ >= kReinsertions) return;
     const Reinsertion found = find_reinsertion(objective_, state_);
@@ -164,7 +165,7 @@ class Minimizer {
     go_on();
   }
 
-  /// Whether it is where it should be; a frame that is even enough is not even begun.
+  /// True once the target energy is reached; frames that are already even are skipped.
   [[nodiscard]] bool reached() const {
     if (normalized_energy(objective_, state_) <= options_.target_energy)
       return std::isinf(aim_.variation) || capacity_variation(objective_, state_) <= aim_.variation;
@@ -175,22 +176,22 @@ class Minimizer {
 
   [[nodiscard]] bool settled() const { return reached() || rule_.ends(); }
 
-  /// Whether it ended where it should: settled() also ends where no step is found.
+  /// Whether it converged; settled() is also true if no step was found.
   [[nodiscard]] bool converged() {
     if (reached()) return true;
     if (rule_.decreases_are_small()) return rule_.missed() <= options_.tolerance && !stuck();
     return rule_.failed() && rule_.missed() <= kRounding;
   }
 
-  /// Whether a full step of the model promises far more than the steps gave: then they are small
-  /// because something holds them back, not because nothing is left to gain.
+  /// Whether a full step of the model predicts far more than the steps gained. Then steps are small
+  /// because they are held back, not because of convergence.
   [[nodiscard]] bool stuck() {
     return in_trust_region() && region_.promised(objective_, state_, context_) >
                                     std::max(kStuck, options_.tolerance) * state_.total;
   }
 
-  /// Full steps that gained little do not end it where the model promises more: they were short, as
-  /// delta was large, and it shrinks. Steps that a jump has cut are another matter.
+  /// Full steps with small gains do not end the optimization if the model predicts more: they were
+  /// short because delta was large, and delta shrinks. Steps cut by a jump do not count as full.
   void go_on_where_stuck() {
     if (restoring() || last_ < options_.max_evaluations || !rule_.decreases_are_small()) return;
     if (full_steps_ < kUncut || reached() || !stuck()) return;
@@ -198,7 +199,7 @@ class Minimizer {
     rule_.reset();
   }
 
-  /// All in one unit, that of the first: what is owned may change a little from step to step.
+  /// Energies in the unit of the first state, because the owned area may change slightly.
   void note_energy() {
     if (result_.energies.empty()) owned_ = owned_share(objective_, state_, 0);
     result_.energies.push_back(state_.total / objective_.total_weight() / (owned_ * owned_) -

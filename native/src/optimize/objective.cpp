@@ -15,7 +15,7 @@ namespace dapple {
 namespace {
 
 constexpr double kHexagon = 3.4641016151377544;  // area around a circle of radius 1: 2 sqrt 3
-constexpr double kMostRoom = 0.5;                // of what the other sites had, for large discs
+constexpr double kMostRoom = 0.5;  // share of the capacity of other sites that large discs may take
 
 /// kappa (|S|_phi / n)^2
 double repulsion_weight(const Term& term, std::size_t count) {

@@ -11,9 +11,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kEmpty = 1e-6;  // of the mean capacity: a cell that rounding may have left
+constexpr double kEmpty = 1e-6;  // of the mean capacity: such cells may result from rounding
 
-/// Of a cell of a term that is not empty.
+/// The capacity of a cell of a nonempty term.
 double least_capacity(const Objective& objective, std::size_t term, std::size_t sites) {
   return kEmpty * objective.terms[term].domain->capacity() / static_cast<double>(sites);
 }
@@ -55,7 +55,7 @@ class Reinserter {
     }
   }
 
-  /// Of a cell and those beside it, the largest to which nobody has been sent yet.
+  /// The largest of a cell and its neighbors to which no site has been moved yet.
   [[nodiscard]] std::size_t roomiest(std::size_t start) const {
     std::size_t best = start;
     for (const CellBoundary& side : state_.diagram().boundary(start)) {

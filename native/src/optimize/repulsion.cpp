@@ -8,13 +8,13 @@
 namespace dapple {
 namespace {
 
-// Of the repulsion radius: a step may end this near. Nearer, the smallest distance of the next
-// state is what the step made of it; at 1 the steps lose too much (0.95 to 0.98 measured alike,
-// 0.98 best).
+// Of the repulsion radius: how close a step may bring two sites. With a smaller value the step
+// determines the smallest distance of the next state; at 1 the steps lose too much (0.95 to 0.98
+// measured alike, 0.98 best).
 constexpr double kNear = 0.98;
 
 /// Call visit(i, j, offset from j to i, out) for every pair of sites whose cells touch, in
-/// parallel, and return what it has put into `out`, in the order of the sites.
+/// parallel, and return the contents of `out`, in the order of the sites.
 template <typename Found, typename Visit>
 std::vector<Found> of_touching_pairs(const RestrictedVoronoi& diagram, const Visit& visit) {
   const std::size_t count = diagram.cells.size();

@@ -7,7 +7,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kBegin = 0.7;    // of the variation that is even enough
+constexpr double kBegin = 0.7;    // of the sufficient variation
 constexpr double kAsFirst = 1.1;  // of the first frame's
 constexpr double kIdle = 1e-3;    // weight of E_cvt
 

@@ -7,11 +7,11 @@
 namespace dapple {
 namespace {
 
-constexpr int kPulls = 8;      // toward its home, of a site that was projected out of reach
-constexpr double kPull = 0.8;  // of the distance that is left after each; the last leaves none
+constexpr int kPulls = 8;      // toward the start, of a site projected beyond the limit
+constexpr double kPull = 0.8;  // of the distance that remains after each; the last leaves none
 
-/// The projection may carry even a site that has not moved: to where there is density, or by
-/// rounding. Locked sites keep their bytes.
+/// The projection may move even a site without a step: to a face with density, or by rounding.
+/// Locked sites keep their bytes.
 Sites project_unlocked(const Objective& objective, const Sites& before, const Vectors& moved,
                        std::span<const std::int32_t> hints, const Context* context) {
   Sites sites = objective.project(moved, hints, {}, context);

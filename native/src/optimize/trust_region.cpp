@@ -8,7 +8,7 @@
 namespace dapple {
 namespace {
 
-// What delta is multiplied by ...
+// Factors of delta ...
 constexpr double kTooLong = 2.5;  // where the step is longer than allowed ...
 constexpr double kFar = 6.0;      // ... by more than
 constexpr double kFarOff = 4.0;   // this factor
@@ -16,7 +16,7 @@ constexpr double kFull = 0.4;     // after a full step
 constexpr double kShortened = 2.0;
 constexpr double kFailed = 4.0;
 constexpr double kMost = 1e12;
-constexpr int kSolves = 6;  // before the stored pairs are blamed for a step that stays too long
+constexpr int kSolves = 6;  // before the stored pairs are dropped because the step stays too long
 constexpr int kSteps = 15;  // of conjugate gradients: steps are shortened and corrected anyway ...
 constexpr int kExactSteps = 60;      // ... but the long waves that a deformation makes take more
 constexpr int kPasses = 3;           // over the pairs that a step brings too near

@@ -14,11 +14,11 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 4096;             // texels a chunk
-constexpr double kAlongTheNormal = 1e-9;         // of a tangent, what is left beside the normal
+constexpr std::size_t kGrain = 4096;      // texels a chunk
+constexpr double kAlongTheNormal = 1e-9;  // relative length of the tangential part of a tangent
 constexpr double kCorner = std::numbers::sqrt2;  // of a square decal, in its radius
 
-/// The frames of the samples in which their decals lie.
+/// The local frames of the samples that orient their decals.
 class Decals {
  public:
   Decals(const Samples& samples, std::span<const double> radii, std::span<const Vec3> tangents)
@@ -27,7 +27,7 @@ class Decals {
       const Vec3& normal = samples.normals[k];
       const Vec3 along = tangents[k] - tangents[k].dot(normal) * normal;
       if (!(along.norm() > kAlongTheNormal * tangents[k].norm()))
-        throw ArgumentError(entry("tangents", k) + " has no direction beside the normal");
+        throw ArgumentError(entry("tangents", k) + " is parallel to the normal: it must not be");
       tangents_.push_back(along.normalized());
       largest_ = std::max(largest_, radii[k]);
     }
@@ -56,8 +56,8 @@ class Decals {
   }
 
  private:
-  /// Whether a point lies on decal k, and where.
-  /// \param distance from its middle, in its radius
+  /// Whether a point is on decal k, and its coordinates there.
+  /// \param distance from its center, relative to its radius
   [[nodiscard]] bool reaches(std::size_t k, const Vec3& point, double distance, Vec2& place) const {
     const Vec3& normal = samples_.normals[k];
     const Vec3 way = (point - samples_.positions[k]) / radii_[k];
@@ -86,7 +86,7 @@ void check(const Surface& surface, const Samples& samples, std::span<const doubl
                     texels.faces.size());
   for (const std::int32_t face : texels.faces)
     if (face >= static_cast<std::int32_t>(surface.face_count()))
-      throw ArgumentError("texels.faces holds " + std::to_string(face) + ": the surface has " +
+      throw ArgumentError("texels.faces contains " + std::to_string(face) + ": the surface has " +
                           std::to_string(surface.face_count()) + " faces");
 }
 

@@ -25,7 +25,7 @@ void start(Polygon& polygon, const CellPolygon& piece, const Vec3& site) {
   polygon.start(corners);
 }
 
-/// Cut by the plane of points nearer to the site than to the one at `to`, moved by `width`.
+/// Clip by the bisector of the site and the one at `to`, moved by `width` toward the site.
 void cut(Polygon& polygon, const Vec3& to, std::int32_t neighbor, double width) {
   const double distance = to.norm();
   const Vec3 normal = to / distance;

@@ -33,7 +33,7 @@ void check(const Surface& surface, const Samples& samples, const MosaicOptions& 
     check_at_least(entry("insets", k).c_str(), options.insets[k], 0.0);
 }
 
-/// A tile before all tiles are put into one mesh.
+/// A tile before all tiles are merged into one mesh.
 struct MadeTile {
   TileMesh mesh;
   Tile tile;
@@ -52,10 +52,10 @@ class Tiler {
 
   [[nodiscard]] bool merges() const { return options_.merge; }
 
-  /// Whether tiles do, but for those that draw back by their insets.
+  /// Whether tiles touch, except where insets separate them.
   [[nodiscard]] bool touch() const { return options_.grout == 0.0; }
 
-  /// What the grout leaves of a cell.
+  /// The part of a cell inside the grout.
   [[nodiscard]] JoinedPatch join(std::size_t site, std::span<const CellPolygon> cell,
                                  const EdgePoints& others) const {
     const double inset = options_.insets.empty() ? 0.0 : options_.insets[site];
@@ -63,7 +63,7 @@ class Tiler {
                           others);
   }
 
-  /// Of tiles that touch, which can have borders along edges of the mesh; else none.
+  /// Edges of the mesh along which touching tiles can have borders; otherwise none.
   [[nodiscard]] EdgePoints edge_points(std::span<const CellPolygon> pieces) const {
     return touch() ? builder_.edge_points(pieces) : EdgePoints();
   }
@@ -72,7 +72,7 @@ class Tiler {
     return without_short_edges(std::move(joined), shortest_);
   }
 
-  /// The same of all tiles, which touch each other.
+  /// The same for all tiles if they touch each other.
   [[nodiscard]] std::vector<Patch> cleaned(std::vector<JoinedPatch> joined) const {
     return without_short_edges(std::move(joined), shortest_, std::min(shortest_, rounding_));
   }
@@ -126,13 +126,13 @@ void append(Mosaic& mosaic, std::int32_t site, std::int32_t kind, const MadeTile
   mosaic.tiles.push_back(made.tile);
 }
 
-/// On the caller's faces instead of pieces of them.
+/// Maps polygons from pieces to the caller's faces.
 void name_parents(const CutSurface& cut, std::span<MadeTile> tiles) {
   for (MadeTile& made : tiles)
     for (PatchPolygon& polygon : made.mesh.patch.polygons) polygon.face = cut.parent(polygon.face);
 }
 
-/// The points that tiles have, for tiles that touch: a corner of one lies on no edge of another.
+/// The points of touching tiles: no corner of one lies inside an edge of another.
 class Corners {
  public:
   explicit Corners(std::span<const Patch> tiles) {
@@ -154,7 +154,7 @@ class Corners {
   std::vector<Key> points_;
 };
 
-/// Tiles that touch have the same points where they do.
+/// Give touching tiles the same points where they touch.
 void share_corners(std::span<const Patch> patches, std::span<Patch> flat) {
   const Corners corners(flat);
   parallel_chunks(flat.size(), kGrain, [&](std::size_t begin, std::size_t end) {

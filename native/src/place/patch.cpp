@@ -62,7 +62,7 @@ class Joiner {
   [[nodiscard]] std::int32_t mesh_vertex(std::int32_t face, std::int32_t corner) const {
     return faces_[static_cast<std::size_t>(face)][static_cast<std::size_t>(corner)];
   }
-  /// The edge of the mesh that a label below 0 names.
+  /// The edge of the mesh for a negative label.
   [[nodiscard]] MeshEdge mesh_edge(std::int32_t face, std::int32_t label) const {
     const std::int32_t from = -1 - label;
     const std::int32_t a = mesh_vertex(face, from);
@@ -80,7 +80,7 @@ class Joiner {
                    piece.points[k]);
   }
 
-  /// What others have on the edges of the mesh that the pieces run along.
+  /// The points of other pieces on edges of the mesh along which pieces run.
   void add_others(std::span<const CellPolygon> pieces, const EdgePoints& others) {
     std::set<MeshEdge> done;
     for (const CellPolygon& piece : pieces)
@@ -121,7 +121,7 @@ class Joiner {
     return static_cast<std::int32_t>(patch_.points.size());
   }
 
-  /// The corners and, between two on an edge of the mesh, whatever other pieces have there.
+  /// The corners and, between two on an edge of the mesh, the points of other pieces there.
   [[nodiscard]] std::vector<std::int32_t> with_points_between(
       const CellPolygon& piece, std::span<const std::int32_t> corners) const {
     std::vector<std::int32_t> result;
@@ -178,7 +178,7 @@ std::vector<ShortEdge> short_edges(const Patch& patch, double shortest) {
   return result;
 }
 
-/// Into which vertex each goes; shortest edges first, none into one that went itself.
+/// The vertex into which each collapses; shortest edges first, never into a collapsed one.
 std::vector<std::int32_t> goals(const Patch& patch, std::span<const On> kinds,
                                 std::span<const ShortEdge> edges) {
   std::vector<std::int32_t> goal(patch.points.size());
@@ -217,7 +217,7 @@ void keep_simple_loops(Patch& patch) {
   patch.polygons = std::move(polygons);
 }
 
-/// Returns into which point each has gone.
+/// \return the point into which each has collapsed
 std::vector<std::int32_t> remove_short_edges(Patch& patch, std::span<const On> kinds,
                                              double shortest) {
   std::vector<std::int32_t> result(patch.points.size());
@@ -233,7 +233,7 @@ std::vector<std::int32_t> remove_short_edges(Patch& patch, std::span<const On> k
   return result;
 }
 
-/// All patches as one, in which points at the same place are one.
+/// Merges all patches and their coincident points.
 class Union {
  public:
   Union(std::span<const JoinedPatch> parts, double rounding) {
@@ -254,8 +254,8 @@ class Union {
     for (std::int32_t& k : places_) k = gone[static_cast<std::size_t>(k)];
   }
 
-  /// A part with what has become of its edges: points of it that are at one place now become one
-  /// only if an edge leads from one to the other.
+  /// A part after collapsing edges: coincident points of it are merged only if an edge connects
+  /// them.
   [[nodiscard]] Patch part(std::size_t number, Patch patch) const {
     std::vector<std::int32_t> leader(patch.points.size());
     std::iota(leader.begin(), leader.end(), 0);
@@ -290,7 +290,7 @@ class Union {
         settle(static_cast<std::size_t>(places_.back()), kind, points_[k]);
       }
   }
-  /// So that which of two points stays does not depend on the order of the parts.
+  /// A priority that decides which of two points stays, independent of the order of the parts.
   void sort_places() {
     std::vector<std::size_t> order(whole_.points.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -310,7 +310,7 @@ class Union {
     whole_.points = std::move(points);
     kinds_ = std::move(kinds);
   }
-  /// Where the stronger of two points is.
+  /// The position of the point with higher priority.
   void settle(std::size_t place, On kind, const Vec3& point) {
     if (kind >= kinds_[place]) return;
     kinds_[place] = kind;

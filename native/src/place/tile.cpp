@@ -54,7 +54,7 @@ class CornerSets {
 /// One run of a polygon along an edge.
 struct EdgeUse {
   std::size_t polygon, k;
-  bool upwards;  // from the lower vertex to the higher
+  bool upward;  // from the lower vertex to the higher
 };
 
 std::map<std::pair<std::int32_t, std::int32_t>, std::vector<EdgeUse>> edge_uses(
@@ -71,7 +71,7 @@ std::map<std::pair<std::int32_t, std::int32_t>, std::vector<EdgeUse>> edge_uses(
   return result;
 }
 
-/// The half-edge mesh of a patch that is apart; vertex and face handles count as the patch does.
+/// The half-edge mesh of a separated patch; handles of vertices and faces are those of the patch.
 PolygonMesh half_edge_mesh(const Patch& patch) {
   PolygonMesh mesh;
   for (const Vec3& p : patch.points) mesh.add_vertex({p.x(), p.y(), p.z()});
@@ -185,8 +185,8 @@ void drop_vertices(Patch& patch, const std::vector<bool>& dropped) {
   }
 }
 
-/// How far each vertex goes to lift the polygons around it by 1: along the mean of their normals,
-/// the farther the more they differ.
+/// The offset of each vertex that lifts the polygons around it by 1: along the mean of their
+/// normals, and longer where these differ.
 std::vector<Vec3> lifts(const Patch& patch) {
   std::vector<Vec3> result(patch.points.size(), Vec3::Zero());
   std::vector<double> least(patch.points.size(), 1.0);
@@ -222,7 +222,7 @@ void add_bottom(const Patch& patch, std::int32_t offset, TileMesh& result) {
   }
 }
 
-/// A wall under every edge of a loop, outwards.
+/// A wall under every edge of a loop, outward.
 void add_walls(const Patch& patch, std::int32_t offset, TileMesh& result) {
   const PolygonMesh mesh = half_edge_mesh(patch);
   for (const auto edge : mesh.halfedges()) {
@@ -249,7 +249,7 @@ Vec3 twice_area_vector(const Patch& patch, const PatchPolygon& polygon) {
 Patch apart(const Patch& patch) {
   CornerSets sets(patch);
   for (const auto& [edge, uses] : edge_uses(patch)) {
-    if (uses.size() != 2 || uses[0].upwards == uses[1].upwards) continue;
+    if (uses.size() != 2 || uses[0].upward == uses[1].upward) continue;
     const auto& [p, k, unused] = uses[0];
     const auto& [q, l, also_unused] = uses[1];
     sets.unite(sets.corner(p, k), sets.corner(q, l + 1));
@@ -286,7 +286,7 @@ Patch merged(const Patch& patch, const std::function<bool(const Vec3&)>& stays) 
     for (std::size_t v = 0; v < dropped.size(); ++v)
       if (dropped[v]) dropped[v] = !stays(result.points[v]);
   drop_vertices(result, dropped);
-  return apart(result);  // without the vertices that nothing uses any more
+  return apart(result);  // without unused vertices
 }
 
 PatchTopology topology_of(const Patch& patch) {

@@ -14,7 +14,7 @@ namespace {
 constexpr double kFirstReach = 1.8;  // spacings
 constexpr double kFurther = 2.25;    // squared
 constexpr double kMargin = 1.25;     // of the squared reach that the last neighborhood needed
-// So many are more than cells have that are not long: then the corners are asked who is nearest.
+// More neighbors than ordinary cells have: then the nearest sites of the corners are searched.
 constexpr std::size_t kMany = 50;
 constexpr std::size_t kNone = ~std::size_t{0};
 constexpr std::int32_t kFrame = -1;  // label of the edges along the frame
@@ -95,7 +95,7 @@ void FlatCells::find(const Box& query, std::vector<Place>& found) const {
   });
 }
 
-/// Without a branch: whether a place is within reach is hard to foretell.
+/// Without a branch: a processor cannot predict whether a position is within reach.
 void FlatCells::choose(const std::vector<Place>& places) {
   if (found_.size() < places.size()) found_.resize(2 * places.size());
   const Vec2 x = sites_->place(place_).head<2>();
@@ -111,9 +111,9 @@ void FlatCells::choose(const std::vector<Place>& places) {
   std::sort(near_.begin(), near_.end());
 }
 
-// ---- what they leave of the cell ----
+// ---- clipping of the cell ----
 
-/// False if more of them than are looked for here might cut.
+/// False if sites beyond those found here might cut.
 bool FlatCells::cut_by_near() {
   double needed = 4.0 * cell_.squared_radius();
   for (;; choose(further_)) {
@@ -132,7 +132,7 @@ bool FlatCells::cut_by_near() {
 }
 
 // A convex polygon belongs to the site if its corners do: wherever another site is nearer to one,
-// that site cuts it off. A site that has cut does so once more only by rounding.
+// that site cuts it off. A site cuts twice only because of rounding.
 void FlatCells::cut_by_nearest_to_corners() {
   for (std::size_t c = 0; c < cell_.corners.size();) {
     const Rival nearest = nearest_to(cell_.corners[c].x);
@@ -170,7 +170,7 @@ bool FlatCells::cut(const Rival& rival) {
   return true;
 }
 
-/// Those that bound the cell; where rounding leaves nothing of it, all that have cut it.
+/// The sites that bound the cell; if rounding leaves nothing of it, all that have cut it.
 void FlatCells::collect_links() {
   links_.clear();
   const auto add = [&](const Rival& rival) {

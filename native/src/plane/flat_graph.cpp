@@ -14,13 +14,13 @@ constexpr std::size_t kGrain = 512;  // places a chunk
 
 using Link = SiteGraph::Link;
 
-/// Room for the links of each site: its row and, before it, those of all sites before it.
+/// The row of links of each site, with rows of earlier sites before it.
 void make_rows(SiteGraph& graph) {
   std::partial_sum(graph.starts.begin(), graph.starts.end(), graph.starts.begin());
   graph.links.resize(graph.starts.back());
 }
 
-/// \param cells makes those of a thread
+/// \param cells creates the cells of a thread
 template <typename MakeCells>
 SiteGraph to_graph(const FlatSites& sites, std::size_t count, const MakeCells& cells) {
   SiteGraph graph;

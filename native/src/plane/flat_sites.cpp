@@ -26,7 +26,7 @@ struct Key {
   std::int32_t site;
 };
 
-/// Sites along the curve; those at one place follow each other, in their order.
+/// Sites along the curve; coincident ones are adjacent, in their order.
 std::vector<Key> along_curve(std::span<const Vec3> x) {
   Eigen::AlignedBox2d box;
   for (const Vec3& p : x) box.extend(p.head<2>());

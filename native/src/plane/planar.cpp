@@ -19,7 +19,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kCut = 0.3;       // of the progress of an evaluation: large faces are cut
+constexpr double kCut = 0.3;  // share of the progress of an evaluation when large faces are cut
 constexpr double kOutside = 1e-9;  // of the domain's size: farther is not rounding
 
 const Image& checked(const Image& image) {
@@ -27,7 +27,7 @@ const Image& checked(const Image& image) {
   return image;
 }
 
-/// Before memory is asked for: two triangles to a cell.
+/// Checks the size before allocating memory: two triangles per cell.
 void check_grid(std::size_t columns, std::size_t rows) {
   if (columns > kMostSurfaceFaces / 2 / rows)
     throw ArgumentError("density needs " + std::to_string(rows) + " x " + std::to_string(columns) +
@@ -77,14 +77,14 @@ Surface box_surface(const Vec2& low, const Vec2& high) {
   return Surface(vertices, faces);
 }
 
-/// The centers of pixels first .. last of `count` to a length of 1.
+/// The centers of pixels first .. last, of `count` pixels per unit length.
 std::vector<double> centers(int first, int last, int count) {
   std::vector<double> result;
   for (int k = first; k <= last; ++k) result.push_back((k + 0.5) / count);
   return result;
 }
 
-/// The image going on periodically, over the centers of pixels from `first` to `last`.
+/// The image, repeated periodically, over the centers of pixels from `first` to `last`.
 Surface periodic_surface(const Image& image, const Eigen::Array2i& first,
                          const Eigen::Array2i& last) {
   const auto columns = static_cast<int>(image.columns), rows = static_cast<int>(image.rows);
@@ -188,7 +188,7 @@ Plane Plane::polygon(const std::vector<Vec2>& outline, std::span<const std::vect
 void Plane::update_cells(RestrictedVoronoi& diagram, const Sites& sites, Context* context) const {
   if (context) context->check();
   Stretch cutting(context, 0.0, kCut);
-  // A rectangle has no corner that a straight way between two of its points could leave it at.
+  // A rectangle is convex, so straight lines between its points stay inside.
   const auto cut =
       size_.isZero() ? cell_surfaces_->at(surface_, sites.size(), cutting.context()).cut : nullptr;
   Stretch dividing(context, cut ? kCut : 0.0, 1.0);
@@ -234,7 +234,7 @@ std::vector<bool> Plane::on_border(const Sites& sites, const RestrictedVoronoi& 
 
 std::unique_ptr<FlatDomain> Plane::with_density(const Image& density) const {
   if (size_.x() == 0.0)
-    throw ArgumentError("density is an image, and the domain a polygon: only rectangles take one");
+    throw ArgumentError("density is an image, but the domain is a polygon: use a rectangle");
   return image(size_.x(), size_.y(), density).with_cells(cells_);
 }
 

@@ -37,7 +37,7 @@ Image union_image(const FlatDomain& domain, std::span<const SampleClass> classes
     const Image& own = image_of(domain, classes[c], ones);
     if (own.rows != sum.rows || own.columns != sum.columns)
       throw ArgumentError("density of class " + std::to_string(c) + " is " + shape(own) +
-                          " pixels, another " + shape(sum) + ": all must be of one shape");
+                          " pixels, another is " + shape(sum) + ": all must be of one shape");
     for (std::size_t k = 0; k < sum.values.size(); ++k) sum.values[k] += weights[c] * own.values[k];
   }
   return sum;

@@ -33,7 +33,7 @@ NamedRing check_ring(std::string name, const Ring& ring) {
   return result;
 }
 
-/// Triangulates rings that do not meet.
+/// Triangulates disjoint rings.
 class RingMesh {
  public:
   void insert_points(const NamedRing& ring) {
@@ -102,7 +102,7 @@ void check_nesting(const std::vector<NamedRing>& rings) {
     for (std::size_t other = 1; other < rings.size(); ++other)
       if (other != k && inside(rings[other], rings[k].points[0]))
         throw ArgumentError(rings[k].name + " is inside " + rings[other].name +
-                            ": holes must lie apart");
+                            ": holes must be disjoint");
   }
 }
 

@@ -7,13 +7,13 @@
 namespace dapple {
 namespace {
 
-// Of the capacity that a sample is to have: a locked one that has so much less is in a crowd, and
-// others beside it cannot make up for that.
+// Relative to the target capacity: a locked sample with so little is in a crowd, which others
+// beside it cannot compensate.
 constexpr double kCrowded = 0.25;
 constexpr int kHalvings = 60;
 
-/// The number of samples that a locked one's cell asks for, itself included.
-/// \param share of the capacity that a sample is to have
+/// The number of samples that fit a locked sample's cell, itself included.
+/// \param share the target capacity of a sample
 double asked_by_locked(double share) {
   return share + std::max(0.0, (1.0 - share - kCrowded) / (1.0 - kCrowded));
 }

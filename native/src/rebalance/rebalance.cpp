@@ -21,28 +21,28 @@
 namespace dapple {
 namespace {
 
-constexpr std::ptrdiff_t kPatch = 8;  // sites that settle among themselves who goes
-// Of one sample: what a neighborhood may have too much or too little before that is mended.
+constexpr std::ptrdiff_t kPatch = 8;  // sites of a neighborhood, which decides on removals
+// In samples: the surplus or deficit of a neighborhood that is corrected.
 constexpr double kReluctance = 0.75;
-constexpr int kCandidates = 16;      // places that are tried for a new site ...
+constexpr int kCandidates = 16;      // positions tried for a new site ...
 constexpr double kAround = 0.9;      // ... within so many spacings of its host
 constexpr int kRounds = 40;          // each at most doubles or halves; the last one does the rest
-constexpr double kWork = 15.0;       // to put one in takes as long as so many cells
+constexpr double kWork = 15.0;       // inserting one takes as long as so many cells
 constexpr std::size_t kGrain = 128;  // changes between two checks
 
 constexpr OrderedFace kNone{-1};
 
 std::ptrdiff_t rounded(double x) { return static_cast<std::ptrdiff_t>(std::llround(x)); }
 
-/// The nearest whole number between 0 and `change`; another only where that is far off.
+/// The nearest integer between 0 and `change`; another one only if that is far off.
 std::ptrdiff_t reluctantly(double x, std::ptrdiff_t change) {
   const std::ptrdiff_t inside = std::clamp(rounded(x), std::min<std::ptrdiff_t>(0, change),
                                            std::max<std::ptrdiff_t>(0, change));
   return std::abs(x - static_cast<double>(inside)) <= kReluctance ? inside : rounded(x);
 }
 
-/// Whole numbers near real ones of the same sum. Where whole numbers cannot be right, what is there
-/// stays: they are rounded toward 0 unless the sum or a neighbor's gain demands more.
+/// Integers close to real numbers of the same sum. Changes are rounded toward 0 unless the sum or a
+/// neighbor's gain requires more.
 std::vector<std::ptrdiff_t> whole_changes(const std::vector<double>& wanted) {
   std::vector<std::ptrdiff_t> result;
   std::set<std::pair<double, std::size_t>> rest;
@@ -68,22 +68,22 @@ std::vector<std::ptrdiff_t> whole_changes(const std::vector<double>& wanted) {
   return result;
 }
 
-/// What changes take, in evaluations of one cell; those that take out are quick.
+/// The cost of changes in evaluations of one cell; removals are cheap.
 double work_of(std::ptrdiff_t change) {
   return change > 0 ? kWork * static_cast<double>(change) : -static_cast<double>(change);
 }
 
-/// What one round has changed.
+/// The changes of one round.
 struct Passed {
   std::vector<bool> alive;  // per site
   Sites fresh;
   bool complete = true;     // every neighborhood has its number
-  std::size_t lacking = 0;  // where only some are balanced: those that are to be put in
+  std::size_t lacking = 0;  // number still to be inserted if only some sites are balanced
 };
 
-/// Which sites are balanced, and by what.
+/// The sites to balance, and the targets.
 struct Rule {
-  std::size_t count = 0;               // that there shall be, of all
+  std::size_t count = 0;               // target number of all sites
   std::size_t most_come = kAnyNumber;  // so many may still be put in ...
   std::size_t most_go = kAnyNumber;    // ... and taken out
   std::vector<bool> free = {};         // per site; empty: all are
@@ -119,7 +119,7 @@ class Round {
     return std::move(passed_);
   }
 
-  /// The share done of what this round and those after it have to do.
+  /// The share of the remaining work, this and later rounds, that is done.
   [[nodiscard]] double progress() const {
     const auto cells = static_cast<double>(sites_.size());
     return (cells + made_) / (cells + wanted_);
@@ -159,7 +159,7 @@ class Round {
     return held;
   }
 
-  /// Per island, how many it should have more.
+  /// Per island, how many sites it lacks.
   [[nodiscard]] std::vector<double> lacking(const std::vector<std::ptrdiff_t>& held) {
     std::vector<double> result(held.size(), 0.0);
     largest_.assign(held.size(), kNone);
@@ -176,7 +176,7 @@ class Round {
     return result;
   }
 
-  /// The same by what the free sites own.
+  /// The same by the capacity of the free sites.
   [[nodiscard]] std::vector<double> lacking_among_free(
       const std::vector<std::ptrdiff_t>& held) const {
     std::vector<double> result(held.size(), 0.0);
@@ -191,7 +191,7 @@ class Round {
     return surface_.ordered().geometry(face).moments.capacity;
   }
 
-  /// What each cell is worth when all of them are worth `total`.
+  /// The worth of each cell if all of them are worth `total`.
   void fill(Place first, Place last, double total) {
     const auto capacity = [this](std::int32_t s) {
       return diagram_.cells[static_cast<std::size_t>(s)].capacity;
@@ -223,11 +223,11 @@ class Round {
 
   void add_patch(Place first, Place last, std::ptrdiff_t change) {
     const std::ptrdiff_t size = last - first;
-    if (!all_are_free() && change > 0) {  // somebody else puts them in
+    if (!all_are_free() && change > 0) {  // the caller inserts them
       passed_.lacking += static_cast<std::size_t>(change);
       change = 0;
     }
-    const bool half = worth(first, last) >= 0.5;  // nothing stays where nothing shall be
+    const bool half = worth(first, last) >= 0.5;  // nothing remains where the target is 0
     const std::ptrdiff_t possible =
         limited_ ? std::clamp(change, half ? -((size + 1) / 2) : -size, size) : change;
     passed_.complete = passed_.complete && possible == change;
@@ -237,12 +237,12 @@ class Round {
     lacks_.push_back(worth(first, last) - static_cast<double>(size));
   }
 
-  /// Whether no more may come and go than a rule says.
+  /// Whether insertions and removals are limited.
   [[nodiscard]] bool is_spared() const { return rule_.most_come != kAnyNumber; }
 
-  /// Let neighborhoods that are off by least be as they are, until no more samples come and go than
-  /// may. Where islands get their first ones, all others wait for the next round: until then the
-  /// nearest cells own what those islands are.
+  /// Skip the neighborhoods with the smallest errors until the limits hold. If islands get their
+  /// first sites, all others wait for the next round, because until then the nearest cells own
+  /// these islands.
   void spare() {
     const bool waits = passed_.fresh.size() > 0;
     leave_all_but(1, waits ? 0 : rule_.most_come);
@@ -276,7 +276,7 @@ class Round {
     if (changes_[patch] != 0) patches.emplace(urgency(patch, sign), patch);
   }
 
-  /// A first site on an island that has none: the next round does the rest.
+  /// A first site on an island without any; the next round adds the rest.
   void settle(OrderedFace ordered_face, std::ptrdiff_t change) {
     const Vec3 middle = Vec3::Constant(1.0 / 3.0);
     const std::int32_t face = surface_.ordered().original_face(ordered_face);
@@ -349,8 +349,8 @@ class Round {
     }
   }
 
-  /// Of some places around the host, the one that is farthest from all that are there, in spacings
-  /// at the place: else beside a jump of the density all would go to its lower side.
+  /// Of several positions around the host, the one farthest from all sites, in spacings at the
+  /// position: otherwise all would go to the lower side of a jump of the density.
   void place_beside(std::size_t host) {
     const std::vector<Vec3> near = near_positions(host);
     const std::vector<Vec3> places = places_around(host);
@@ -369,8 +369,8 @@ class Round {
     add(found, best);
   }
 
-  /// Where few come, cells stay long and narrow beside what is empty: what is near them may belong
-  /// to others far beyond their neighbors.
+  /// If few sites are inserted, cells beside empty regions stay long and narrow, and nearby
+  /// positions may belong to sites far beyond their neighbors.
   [[nodiscard]] bool is_in_cell(std::size_t host, const Vec3& point) const {
     const Vec3 way = point - sites_.positions[host];
     const auto sides = diagram_.boundary(host);
@@ -407,7 +407,7 @@ class Round {
     return result;
   }
 
-  /// The host, the sites of the two rings around it, and what was put in beside those.
+  /// The host, the sites of the two rings around it, and those inserted beside them.
   [[nodiscard]] std::vector<Vec3> near_positions(std::size_t host) const {
     std::set<std::size_t> near = {host};
     for (int ring = 0; ring < 2; ++ring) {

@@ -15,15 +15,15 @@ namespace dapple {
 namespace {
 
 constexpr double kDraws = 12.0;   // random points per site
-constexpr std::size_t kMore = 8;  // times as many where these are too few
+constexpr std::size_t kMore = 8;  // factor if these are too few
 constexpr std::size_t kMost = 1 << 21;
-constexpr std::size_t kFew = 1 << 16;  // so many cost nothing
+constexpr std::size_t kFew = 1 << 16;  // points: cheap up to this number
 constexpr std::size_t kAsked = 4;    // sites nearest to a point, until one is on its side of a wall
-constexpr double kReach = 1.5;       // of the gap: how far it is felt that a site has come into it
+constexpr double kReach = 1.5;       // of the gap: range within which a new site matters
 constexpr std::size_t kGrain = 256;  // points
 constexpr std::size_t kNobody = ~std::size_t{0};
 
-/// A place that a site might get.
+/// A candidate position.
 struct Place {
   Dart dart;
   double squared_distance;  // from the nearest site
@@ -73,7 +73,7 @@ std::vector<Place> draw_places(const Surface& surface, const Gaps& gaps, std::si
   return places;
 }
 
-/// Takes the place of most room, one after another.
+/// Takes the positions farthest from all sites, one after another.
 class Filling {
  public:
   explicit Filling(std::vector<Place> places)
@@ -98,7 +98,7 @@ class Filling {
   }
 
  private:
-  /// Where rooms have become less since, they are entered anew on the way.
+  /// Positions whose distance has decreased are inserted again.
   std::size_t widest() {
     while (!waiting_.empty()) {
       std::pop_heap(waiting_.begin(), waiting_.end());
@@ -127,8 +127,8 @@ Sites widest_gaps(const Surface& surface, const Gaps& gaps, std::size_t count, s
   Sites result;
   if (std::none_of(gaps.open.begin(), gaps.open.end(), [](bool open) { return open; }))
     return result;
-  // Where cells own little of the surface, as parts without any site belong to nobody, the capacity
-  // says nothing of how many there are.
+  // If cells cover little of the surface, because parts without a site have no owner, the capacity
+  // does not determine the number.
   const std::size_t most =
       std::max(kFew, kMore * static_cast<std::size_t>(kDraws) * (count + gaps.sites.size()));
   auto draws = static_cast<std::size_t>(

@@ -20,7 +20,7 @@ namespace {
 
 using Indices = std::vector<std::int32_t>;
 
-constexpr double kStill = 0.01;  // spacings of all: who moves by less does not stir the others
+constexpr double kStill = 0.01;  // spacings of the union: smaller moves do not affect other classes
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
@@ -42,7 +42,7 @@ Indices all_faces(const Surface& surface) {
   return faces;
 }
 
-/// Add a first site where a component without any has got a density.
+/// Add a first site on each component without sites that has received a density.
 void settle_components(const Surface& surface, std::span<const OrderedFace> changed, Sites& sites) {
   const OrderedSurface& mesh = surface.ordered();
   if (mesh.components() < 2) return;
@@ -72,7 +72,7 @@ Companion companion(const RelaxedClass& one) {
   return {&one.surface, static_cast<double>(wanted(one)) / one.surface.capacity(), one.radius};
 }
 
-/// What lies on the faces; those that were free when the class was relaxed alone still are.
+/// The sites on the faces; those that were free when the class was relaxed alone stay free.
 Region region_on(const RelaxedClass& one, std::span<const OrderedFace> faces, Context* context) {
   Region region{SurfacePart(one.surface, faces, context)};
   for (std::size_t k = 0; k < one.sites.size(); ++k) {
@@ -160,8 +160,7 @@ void ClassRelaxation::run(Context* context) {
   }
 }
 
-/// The faces where something has changed, and those of samples that are where the density is 0; all
-/// faces where only the count is to be another.
+/// The changed faces, and those of samples on density 0; all faces if only the count changes.
 std::vector<OrderedFace> ClassRelaxation::faces_to_relax(const RelaxedClass& one) const {
   Indices faces = changed_;
   if (faces.empty() && one.count && *one.count != one.sites.size()) faces = all_faces(one.surface);
@@ -173,7 +172,7 @@ std::vector<OrderedFace> ClassRelaxation::faces_to_relax(const RelaxedClass& one
   return ordered_faces(one.surface, faces);
 }
 
-/// Those that are done, and others of about the same number; more common ones make room later.
+/// The finished classes, and others of about the same number; more common ones make room later.
 Company ClassRelaxation::company_of(std::span<const std::size_t> selves) const {
   Company company{{}, {}, options_.union_weight};
   std::size_t least = std::numeric_limits<std::size_t>::max();
@@ -236,8 +235,8 @@ void ClassRelaxation::relax(std::size_t c, Context* context) {
   note_moves(one, before);
 }
 
-/// One after another each has found its number and about its places; the last one had to take what
-/// the others had left.
+/// One after another, each class has found its number and its approximate places; the last one had
+/// to take what the others had left.
 void ClassRelaxation::relax_together(std::span<const std::size_t> group, Context* context) {
   std::vector<OrderedFace> faces;
   for (const std::size_t c : group) {
@@ -279,7 +278,7 @@ void ClassRelaxation::store(std::span<const std::size_t> group, const std::vecto
   last.report.converged = found.converged;
 }
 
-/// Others have to make room where samples have come, gone or moved.
+/// Other classes make room where samples have appeared, vanished or moved.
 void ClassRelaxation::note_moves(const RelaxedClass& one, const Sites& before) {
   std::size_t count = 0;
   for (const RelaxedClass& each : classes_) count += each.count.value_or(each.sites.size());

@@ -12,7 +12,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough
+constexpr double kOverlap = 1e-3;  // of the wanted distance: smaller overlaps are accepted
 
 std::vector<const Companion*> all_of(const Company& company) {
   std::vector<const Companion*> result;
@@ -47,7 +47,7 @@ Together together_on(const SurfacePart& part, const Company& company) {
   return {part.surface().with_density({DensityAt::kCorners, values}), 1.0};
 }
 
-/// Those that are on the part, as its sites.
+/// The samples on the part, as its sites.
 Sites on_part(const SurfacePart& part, const Sites& sites) {
   std::vector<std::int32_t> inside;
   for (std::size_t k = 0; k < sites.size(); ++k)
@@ -57,7 +57,7 @@ Sites on_part(const SurfacePart& part, const Sites& sites) {
   return result;
 }
 
-/// Classes on the part, those that are relaxed first, with what they own.
+/// Classes on the part, the relaxed ones first, with their capacities.
 struct Gathered {
   ClassProblem problem;
   Sites start;

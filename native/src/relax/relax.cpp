@@ -26,14 +26,14 @@ void check_one_class(const Samples& samples) {
       throw ArgumentError(entry("samples.classes", k) + " is " +
                           std::to_string(samples.classes[k]) + " and the first is " +
                           std::to_string(samples.classes[0]) +
-                          ": say by classes what each class is to be");
+                          ": pass classes, one for each class of samples");
 }
 
 void check_classes(const Surface& surface, const Samples& samples, const RelaxOptions& options) {
   const std::size_t count = options.classes.size();
   if (options.count)
     throw ArgumentError("count is " + std::to_string(*options.count) +
-                        " and there are classes: each has its own count");
+                        " and classes are given: omit it, each class has its own count");
   std::size_t sum = 0;
   for (std::size_t c = 0; c < count; ++c) {
     const SampleClass& one = options.classes[c];
@@ -41,7 +41,7 @@ void check_classes(const Surface& surface, const Samples& samples, const RelaxOp
     check_at_least((entry("classes", c) + ".radius").c_str(), one.radius, 0.0);
     if (one.surface && !one.surface->same_faces(surface))
       throw ArgumentError(entry("classes", c) +
-                          " has a surface of other faces: make it by with_density()");
+                          " has a surface with other faces: create it by with_density()");
     if (one.locked.size() > 0)
       throw ArgumentError(entry("classes", c) +
                           ".locked: indices of samples are needed, as locked");
@@ -69,7 +69,7 @@ void check(const Surface& surface, const Samples& samples, std::span<const std::
   options.classes.empty() ? check_one_class(samples) : check_classes(surface, samples, options);
 }
 
-/// The samples on changed faces where these have carried them, all others as they are.
+/// The samples, moved with their faces where these have changed.
 Sites carried(const Surface& surface, const Samples& samples,
               std::span<const std::int32_t> changed) {
   std::vector<bool> is_changed(surface.face_count(), false);
@@ -92,7 +92,7 @@ std::vector<bool> touched_vertices(const Surface& surface, std::span<const std::
   return touched;
 }
 
-/// The normals of samples that have moved or have come, or where a vertex's normal may be another.
+/// The normals of samples that have moved or are new, or where a vertex's normal may have changed.
 void renew_normals(const Surface& surface, std::span<const std::int32_t> changed,
                    const std::vector<bool>& moved, Samples& samples) {
   const std::vector<bool> touched = touched_vertices(surface, changed);
@@ -117,7 +117,7 @@ std::int64_t last_id(const Samples& samples) {
   return samples.ids.empty() ? -1 : *std::max_element(samples.ids.begin(), samples.ids.end());
 }
 
-/// A sample of a class, and its place among those given; those put in have none.
+/// A sample of a class, and its index among the given ones; new ones have none.
 struct Row {
   const RelaxedClass* of;
   std::size_t k;
@@ -127,7 +127,7 @@ struct Row {
   [[nodiscard]] bool has_moved() const { return of->free[k]; }
 };
 
-/// Those that are left in their order, then the new ones, class by class.
+/// The remaining samples in their order, then the new ones, class by class.
 std::vector<Row> rows_of(std::span<const RelaxedClass> classes, std::size_t given) {
   std::vector<Row> old(given, Row{}), rows;
   for (const RelaxedClass& one : classes)
@@ -214,7 +214,7 @@ Samples relax(const Surface& surface, const Samples& samples, std::span<const st
 std::vector<std::int32_t> changed_faces(const Surface& before, const Surface& after) {
   if (!before.same_faces(after))
     throw ArgumentError(
-        "after has other faces than before: make it by deformed() or with_density()");
+        "after has other faces than before: create it by deformed() or with_density()");
   std::vector<std::int32_t> result;
   for (const OrderedFace face : after.ordered().changed_faces(before.ordered()))
     result.push_back(after.ordered().original_face(face));

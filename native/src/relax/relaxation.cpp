@@ -23,22 +23,23 @@
 namespace dapple {
 namespace {
 
-constexpr int kFreeRings = 2;     // around the cells that have a part of what has changed
+constexpr int kFreeRings = 2;     // around the cells that contain changed faces
 constexpr double kUneven = 0.02;  // of the capacity: a border cell so far off is freed too ...
-constexpr double kPushed = 0.01;  // ... unless it hardly was nearer before
+constexpr double kPushed = 0.01;  // ... unless it was hardly closer before
 constexpr int kGrowths = 16;
 constexpr std::size_t kHole = 256;  // faces
-constexpr int kHardlyAny = 16;      // sites that tell nothing of the capacity of all
-constexpr double kNear = 0.5;       // spacings: a site so near to where there is density stays
-// Of the sites that give way: so many may be too many or too few for the capacity around, or more
+constexpr int kHardlyAny = 16;      // sites: too few to determine the capacity
+constexpr double kNear = 0.5;       // spacings: a site so close to a face with density stays
+// Of the free sites: so many may be surplus or missing for the capacity around, or more
 // of them give way ...
 constexpr double kYield = 0.01;
 constexpr double kRounding = 0.5;  // ... but for a part of a sample ...
 constexpr std::size_t kHalf = 2;   // ... and all of them where that is more than one of so many
-// Cells in these shares of the capacity even out without samples that come and go.
+// Cells within these shares of the capacity even out without insertions and removals.
 constexpr double kSmallest = 0.2, kLargest = 3.0;
-constexpr double kSettled = 0.1;   // of the capacity: a class among others that is so even stays
-constexpr double kFewMore = 1.25;  // of the sites: so many are put in beside others
+constexpr double kSettled =
+    0.1;  // of the capacity: a class among others that is so even is not changed
+constexpr double kFewMore = 1.25;  // of the sites: so many are inserted beside others
 // Of the progress: the region is known, it has its number of sites, it is even for the first time;
 // then half of the rest each.
 constexpr double kFound = 0.1, kBalanced = 0.25, kFirst = 0.7, kGrown = 0.5;
@@ -52,11 +53,11 @@ std::vector<std::size_t> which_are(const std::vector<bool>& values) {
   return result;
 }
 
-/// Of the class that is relaxed, not of all that are around it.
+/// The energy of the relaxed class, without the classes around it.
 const Energy& own_energy(const Minimum& found) { return found.state.parts.back().energy; }
 
-/// \param members per cell: a fixed one gets no others beside it
-/// \throw ArgumentError if samples of that capacity are more than there can be
+/// \param members per cell: no site is inserted beside a fixed one
+/// \throw ArgumentError if that capacity needs too many samples
 template <typename Member>
 void check_wanted(std::span<const Member> members, const RestrictedVoronoi& diagram,
                   double capacity) {
@@ -64,7 +65,7 @@ void check_wanted(std::span<const Member> members, const RestrictedVoronoi& diag
   for (std::size_t k = 0; k < members.size(); ++k)
     if (members[k].open) sum += diagram.cells[k].capacity;
   if (!(sum <= capacity * static_cast<double>(kMostSamples)))
-    throw ArgumentError("what has changed asks for " + number(sum / capacity) +
+    throw ArgumentError("the changed region needs " + number(sum / capacity) +
                         " samples to be as dense as around it: at most " +
                         std::to_string(kMostSamples) + " are possible");
 }
@@ -104,8 +105,8 @@ void Relaxation::run(std::span<const OrderedFace> changed, Context* context) {
   }
 }
 
-/// Whether nothing has come or gone and cells are about as large as they are to be: where other
-/// classes follow this one, what changes by little is not worth moving them all.
+/// Whether no site was inserted or removed and cells have about their target size: if other classes
+/// follow this one, a small change is not worth moving them all.
 bool Relaxation::is_settled(const Region& region) const {
   if (!company_ || sites_.size() > given_ ||
       std::find(alive_.begin(), alive_.end(), false) != alive_.end() ||
@@ -117,8 +118,8 @@ bool Relaxation::is_settled(const Region& region) const {
   });
 }
 
-/// Those that have changed, and those of the cells of the region and of two fixed rings around it,
-/// the first of which has whole cells thanks to the second; sorted.
+/// The changed faces, and those of the cells of the region and of two fixed rings around it; the
+/// second ring makes the cells of the first one complete. Sorted.
 std::vector<OrderedFace> Relaxation::faces_around(const Context* context) {
   for (const std::int32_t s : region_) free_[at(s)] = !locked_[at(s)];
   if (is_everything()) {
@@ -134,7 +135,7 @@ std::vector<OrderedFace> Relaxation::faces_around(const Context* context) {
   return without_holes(surface_, std::move(faces), kHole);
 }
 
-/// Also those that no cell of the sites given reaches, which others may.
+/// Also faces that no cell of the given sites reaches, but others may.
 std::vector<OrderedFace> Relaxation::all_faces() const {
   std::vector<OrderedFace> result;
   for (std::size_t f = 0; f < surface_.face_count(); ++f)
@@ -158,8 +159,8 @@ std::size_t Relaxation::free_count() const {
       region_.begin(), region_.end(), [this](std::int32_t s) { return !locked_[at(s)]; }));
 }
 
-/// How many more or fewer than fit the capacity around the region are to be in it; infinite where
-/// none fit.
+/// By how many the number of sites in the region differs from the capacity around it; infinite
+/// where none fit.
 double Relaxation::spare_samples(const Region& region, const RestrictedVoronoi& diagram) const {
   const SharedCells shared = region.shared(diagram);
   const double fit = asked_for(shared, capacity_);
@@ -168,8 +169,8 @@ double Relaxation::spare_samples(const Region& region, const RestrictedVoronoi& 
   return std::abs(static_cast<double>(open + lacking()) - fit);
 }
 
-/// Let more sites give way where those of the region would be crowded, or sparse.
-/// \return whether there are more now
+/// Free more sites if those of the region would be crowded or sparse.
+/// \return whether the region has grown
 bool Relaxation::widen_for_count(const Region& region, const RestrictedVoronoi& diagram,
                                  const Context* context) {
   if (!options_.count || is_everything()) return false;
@@ -193,12 +194,12 @@ bool Relaxation::is_void(const std::vector<OrderedFace>& faces) const {
   });
 }
 
-/// Nothing stays where nothing shall be.
+/// Remove everything where the target is 0.
 void Relaxation::empty() {
   for (std::size_t s = 0; s < sites_.size(); ++s) alive_[s] = alive_[s] && !free_[s];
 }
 
-/// What lies on faces, as a surface of its own.
+/// The sites on some faces, as a surface of its own.
 Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Context* context) {
   faces_ = faces;
   Region region{SurfacePart(surface_, faces, context)};
@@ -214,8 +215,8 @@ Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Context* conte
   return region;
 }
 
-/// Free sites where the density is 0 go to where it is not, if that is near, or are taken out. One
-/// stays if no other would: new ones come beside others.
+/// Move free sites on density 0 to positive density if that is near, or remove them. One site
+/// always stays, because new ones are inserted beside others.
 void Relaxation::lead_to_density(Region& region, const Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
@@ -234,7 +235,7 @@ void Relaxation::lead_to_density(Region& region, const Context* context) {
   take_out(stay, region);
 }
 
-/// Take out and put in sites, so that each has the capacity of those around.
+/// Insert and remove sites so that new samples match their neighbors' capacity.
 void Relaxation::balance(Region& region, Context* context) {
   lead_to_density(region, context);
   RestrictedVoronoi diagram = first_cells(region, context);
@@ -265,8 +266,8 @@ void Relaxation::balance(Region& region, Context* context) {
   if (found.lacking > 0) put_in(found.lacking, wanted, region, context);
 }
 
-/// Whether the cells are near enough to the capacity that sites need only move: who relaxes as many
-/// as there are then finds the same samples in the same order.
+/// Whether the cells are close enough to the capacity that sites need only move. Relaxing without a
+/// change of the count then returns the same samples in the same order.
 bool Relaxation::is_spread(const Region& region, const RestrictedVoronoi& diagram,
                            double capacity) {
   for (std::size_t k = 0; k < region.members.size(); ++k) {
@@ -276,7 +277,7 @@ bool Relaxation::is_spread(const Region& region, const RestrictedVoronoi& diagra
   return true;
 }
 
-/// All may move: each neighborhood gets its number, as in resampling.
+/// All sites may move: each neighborhood gets its number, as in resampling.
 void Relaxation::rebalance_all(Region& region, Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
@@ -287,7 +288,7 @@ void Relaxation::rebalance_all(Region& region, Context* context) {
   add(found.fresh, region);
 }
 
-/// The cells before any site comes or goes; notes the capacity that each is to have.
+/// The cells before insertions and removals; stores the target capacity.
 RestrictedVoronoi Relaxation::first_cells(const Region& region, Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
@@ -301,8 +302,8 @@ RestrictedVoronoi Relaxation::first_cells(const Region& region, Context* context
   return diagram;
 }
 
-/// What is thinned out in several rounds can miss the count by the rounding of each: the smallest
-/// cells go, or more are put in.
+/// Thinning in several rounds can miss the count by rounding: then the smallest cells are removed,
+/// or sites are inserted.
 void Relaxation::keep_to_count(std::size_t count, const Region& region, Thinned& found) {
   const auto alive = static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), true));
   const std::size_t others = alive - region.members.size();
@@ -321,8 +322,8 @@ void Relaxation::keep_to_count(std::size_t count, const Region& region, Thinned&
   }
 }
 
-/// The mean of the whole cells where nothing has changed, of locked samples only where there are no
-/// others; 0 if there are none.
+/// The mean capacity of complete cells outside the change; locked samples count only if there are
+/// no others. 0 if there are none.
 double Relaxation::capacity_around(const Region& region, const RestrictedVoronoi& diagram) const {
   double sum[2] = {}, count[2] = {};  // unlocked, locked
   for (std::size_t k = 0; k < region.members.size(); ++k) {
@@ -337,8 +338,8 @@ double Relaxation::capacity_around(const Region& region, const RestrictedVoronoi
   return count[kind] > 0.0 ? sum[kind] / count[kind] : 0.0;
 }
 
-/// The mean on the faces that have not changed; of all where these hold hardly any sites. In the
-/// unit of the cells of the whole surface.
+/// The mean capacity on unchanged faces; on all faces if these have too few sites. In the unit of
+/// the cells of the whole surface.
 double Relaxation::capacity_elsewhere() const {
   double capacity = 0.0;
   std::vector<bool> is_changed(surface_.face_count(), false);
@@ -354,7 +355,7 @@ double Relaxation::capacity_elsewhere() const {
                                               : all / static_cast<double>(given_);
 }
 
-/// Of each of the sites where samples come and go, so that there become as many as are wanted; 0 if
+/// The target capacity of the open sites, chosen so that the count is reached; 0 if
 /// none are.
 double Relaxation::capacity_for_count(const Region& region, const SharedCells& shared) {
   double sum = 0.0;
@@ -373,12 +374,12 @@ double Relaxation::capacity_for_count(const Region& region, const SharedCells& s
   };
   if (free + more < 0) refuse(given - free, " of which stay: they are locked");
   if (open + more < 1) return 0.0;
-  if (!(sum > 0.0)) refuse(free, " of which may go, and no place for them is known");
+  if (!(sum > 0.0)) refuse(free, " of which may be removed, but their cells have no capacity");
   share_ = sum / static_cast<double>(open + more);
   return capacity_for(shared, static_cast<std::size_t>(open + more));
 }
 
-/// How many more are wanted than are there now.
+/// The wanted count minus the present one.
 std::int64_t Relaxation::lacking() const {
   return static_cast<std::int64_t>(options_.count.value_or(0)) -
          std::count(alive_.begin(), alive_.end(), true);
@@ -395,15 +396,15 @@ void Relaxation::take_out(const std::vector<std::size_t>& stay, Region& region) 
   region = std::move(left);
 }
 
-/// \param capacity that each is to have
+/// \param capacity the target capacity of each
 void Relaxation::put_in(std::size_t count, double capacity, Region& region,
                         const Context* context) {
   const Sites fresh = widest_gaps(region.part.surface(), {region.sites, region.open(), capacity},
                                   count, options_.seed, context);
   if (options_.count && fresh.size() < count)
-    throw ArgumentError("count is " + std::to_string(*options_.count) + ", but where samples may " +
-                        "go there are places for " + std::to_string(fresh.size()) + " of " +
-                        std::to_string(count) + " new ones only");
+    throw ArgumentError("count is " + std::to_string(*options_.count) +
+                        ", but the region has places for only " + std::to_string(fresh.size()) +
+                        " of " + std::to_string(count) + " new samples");
   add(fresh, region);
 }
 
@@ -497,7 +498,7 @@ void Relaxation::measure_all(const Region& region, const Minimum& found) {
                    options_.optimizer.capacity_weight;
 }
 
-/// What the last round found; its evaluations and iterations are added to those before.
+/// The result of the last round; its evaluations and iterations are added to the previous ones.
 void Relaxation::note(const Region& region, const Minimum& found) {
   const RestrictedVoronoi& all = own_energy(found).diagram;
   RestrictedVoronoi measured;
@@ -516,7 +517,7 @@ void Relaxation::note(const Region& region, const Minimum& found) {
   measured.boundaries = all.boundaries;
   if (is_everything()) {
     measure_all(region, found);
-  } else if (!normals.empty()) {  // else all that is left lies farther away
+  } else if (!normals.empty()) {  // otherwise all remaining faces are farther away
     report_.evenness = measure_evenness(measured);
     report_.bond_order = bond_order(measured, normals);
     report_.energy =

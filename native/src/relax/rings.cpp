@@ -37,7 +37,7 @@ Rings::Rings(const Surface& surface, const Sites& sites)
     ordered_[static_cast<std::size_t>(sites_.originals[k])] = static_cast<std::int32_t>(k);
 }
 
-// From cell to cell: where one has a part, those beside it may have one.
+// From cell to cell: neighbors of a cell with a part may have a part.
 std::vector<std::int32_t> Rings::owners(std::span<const OrderedFace> faces,
                                         const Context* context) {
   const auto is_one = [&](OrderedFace face) {
@@ -105,7 +105,7 @@ void Rings::find(std::span<const std::int32_t> sites, const Context* context) {
   std::vector<std::int32_t> missing;
   for (const std::int32_t site : sites)
     if (!cells_.contains(site)) missing.push_back(site);
-  std::sort(missing.begin(), missing.end(),  // those near each other share a search
+  std::sort(missing.begin(), missing.end(),  // nearby ones share a search
             [this](std::int32_t a, std::int32_t b) { return ordered(a) < ordered(b); });
   std::vector<Cell> found(missing.size());
   parallel_chunks(missing.size(), kGrain, [&](std::size_t begin, std::size_t end) {

@@ -10,7 +10,7 @@
 namespace dapple {
 namespace {
 
-/// A number that all half-edges of an edge have in common.
+/// A number shared by all half-edges of an edge.
 std::int32_t edge_of(const OrderedSurface& mesh, std::int32_t half_edge) {
   std::int32_t least = half_edge;
   for (std::int32_t h = mesh.next_around(half_edge); h != half_edge; h = mesh.next_around(h))
@@ -61,7 +61,8 @@ Surface cut_out(const Surface& whole, std::span<const OrderedFace> faces, Contex
           context};
 }
 
-/// Walks over faces outside a set from its rim on, and tells holes from the rest of the surface.
+/// Walks over faces outside a set, starting at its rim, and distinguishes holes from the rest of
+/// the surface.
 class Holes {
  public:
   Holes(const OrderedSurface& mesh, const std::vector<OrderedFace>& faces, std::size_t most)

@@ -31,7 +31,7 @@ void check_radii(const ClassProblem& problem) {
   }
   const double room = kPacking * problem.all->area();
   if (covered <= room) return;
-  throw ArgumentError("radii ask for discs of area " + number(covered) + ", and at most " +
+  throw ArgumentError("radii need discs of area " + number(covered) + ", and at most " +
                       number(room) + " (the densest packing) fits; most of it, " + number(most) +
                       ", is class " + std::to_string(largest) + ": " +
                       std::to_string(problem.classes[largest].count) + " of radius " +

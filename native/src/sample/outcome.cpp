@@ -15,9 +15,10 @@
 namespace dapple {
 namespace {
 
-constexpr double kEvaluated = 0.9;  // of the progress of analyzing: the cells are known
+constexpr double kEvaluated =
+    0.9;  // share of the progress of the analysis when the cells are known
 
-/// Which term is about this class; all sites' if they are all of it. -1 for an empty class.
+/// The term of a class; the union's if there is no other class. -1 for an empty class.
 std::int32_t term_of(const Objective& objective, std::size_t c) {
   const auto is_of_class = [&](std::int32_t site) {
     return objective.classes[static_cast<std::size_t>(site)] == static_cast<std::int32_t>(c);
@@ -126,7 +127,7 @@ Report analyze(const Surface& surface, const Samples& samples, double capacity_w
   if (context) context->check();
   check_samples(surface, samples);
   const Sites sites{samples.positions, samples.faces, samples.barycentric};
-  // As an optimization sees it, so that both say the same.
+  // As in an optimization, so that both report the same.
   const SurfaceDomain domain(surface, cells, Steps::kAnywhere, std::nullopt, EmptyFaces::kLeft);
   Report report;
   Stretch evaluating(context, 0.0, kEvaluated);

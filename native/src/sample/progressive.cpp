@@ -15,8 +15,8 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 512;
-constexpr double kSpaced = 0.15;  // of the progress: the points' spacings are known
-constexpr double kLinked = 0.6;   // of that of a level: its points are linked
+constexpr double kSpaced = 0.15;  // share of the progress when the points' spacings are known
+constexpr double kLinked = 0.6;   // share of the progress of a level when its points are linked
 constexpr std::size_t kRing = 6;  // neighbors in a hexagonal lattice
 
 using Indices = std::vector<std::int32_t>;
@@ -28,7 +28,7 @@ struct Link {
   double weight;
 };
 
-/// Points that are to be even among themselves: all of them, or those of a class.
+/// Points to be ordered evenly: all of them, or those of a class.
 class Layer {
  public:
   Layer(std::span<const Vec3> all, Indices members, Context* context)
@@ -107,7 +107,7 @@ class Layer {
   std::vector<double> spacing_;  // of each member: mean distance to its ring
 };
 
-/// Which class gives the next point, so that all keep their shares.
+/// Chooses the class of the next point, so that all classes keep their shares.
 class Shares {
  public:
   explicit Shares(const std::vector<Indices>& classes) {
@@ -139,7 +139,7 @@ class Shares {
   std::size_t total_ = 0, remaining_ = 0;
 };
 
-/// The points that are left, and whose turn it is to go.
+/// The remaining points, and which one to remove next.
 class Elimination {
  public:
   Elimination(std::span<const Vec3> points, const std::vector<Indices>& classes,
@@ -162,7 +162,7 @@ class Elimination {
   }
 
   Indices run(Context* context) && {
-    // Radii grow with the gaps, so neighbors are looked up anew whenever half are gone.
+    // Radii grow with the gaps, so neighbors are searched again whenever half are removed.
     while (left_ > 0) {
       const std::size_t first = left_, target = left_ / 2;
       Stretch level(context, progress_at(first), progress_at(target));
@@ -183,7 +183,7 @@ class Elimination {
     }
   };
 
-  /// Each half that goes takes half as long as the one before.
+  /// Removing each half takes half as long as the previous one.
   [[nodiscard]] double progress_at(std::size_t left) const {
     return 1.0 - (1.0 - kSpaced) * static_cast<double>(left) / static_cast<double>(alive_.size());
   }

@@ -9,7 +9,7 @@
 namespace dapple {
 namespace {
 
-/// The samples on other faces; what else they carry stays.
+/// The samples on other faces, with all other data unchanged.
 Samples rebound(const Surface& surface, std::span<const std::int32_t> faces,
                 std::span<const Vec3> barycentric, const Samples& samples) {
   Samples result = bind_samples(surface, faces, barycentric, samples.ids, samples.classes);

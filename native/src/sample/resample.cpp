@@ -21,18 +21,21 @@ namespace {
 
 // Of the progress: before the optimization, after a start from nothing ...
 constexpr double kStarted = 0.3;
-constexpr double kEvening = 24.0;   // ... else it takes as long as so many evaluations of each cell
-constexpr double kNear = 0.5;       // spacings: a site so near to where there is density stays
-constexpr double kAsVaried = 1.25;  // of the capacity variation before: so much is as even
-constexpr double kSame = 1e-12;     // of the coordinates: a locked sample is where it was
+constexpr double kEvening =
+    24.0;                      // ... otherwise it takes as long as so many evaluations of each cell
+constexpr double kNear = 0.5;  // spacings: a site so close to a face with density stays
+constexpr double kAsVaried =
+    1.25;  // relative to the previous capacity variation: counts as equally even
+constexpr double kSame = 1e-12;  // relative to the coordinates: a locked sample has not moved
 
 /// Where an optimization begins: those that stay, then the new ones.
 struct Beginning {
   Samples kept;
   Sites sites;
   int evaluations = 0;
-  std::vector<bool> locked = {};       // per site; empty: none
-  std::vector<std::size_t> rows = {};  // that those that stay had; not known where none are locked
+  std::vector<bool> locked = {};  // per site; empty: none
+  std::vector<std::size_t> rows =
+      {};  // previous rows of those that stay; empty without locked samples
 };
 
 Beginning begin_anew(const Surface& surface, std::size_t count, std::uint64_t seed,
@@ -46,7 +49,7 @@ void add(const Sites& from, std::size_t k, Sites& sites) {
   sites.barycentric.push_back(from.barycentric[k]);
 }
 
-/// Those with the smallest cells go, but for locked ones, until no more stay than the count.
+/// Remove samples with the smallest cells, except locked ones, until the count is reached.
 void keep_to_count(std::size_t count, const std::vector<double>& capacities,
                    const std::vector<bool>& locked, std::vector<std::size_t>& stay) {
   const auto room = [&](std::size_t k) {
@@ -77,7 +80,7 @@ Sites chosen(const Sites& from, const std::vector<std::size_t>& which) {
           chosen(from.barycentric, which)};
 }
 
-/// Sites among locked ones: crowded ones are taken out, and new ones put into the widest gaps.
+/// Sites among locked ones: remove crowded ones and insert new ones into the widest gaps.
 Beginning begin_among_locked(const Surface& surface, const Domain& domain, const Samples& samples,
                              std::span<const std::int32_t> which, std::size_t count,
                              std::uint64_t seed, Context* context) {
@@ -108,8 +111,8 @@ Beginning begin_among_locked(const Surface& surface, const Domain& domain, const
                   missing, seed, context);
   for (std::size_t k = 0; k < fresh.size(); ++k) add(fresh, k, result.sites);
   if (fresh.size() < missing)
-    throw ArgumentError("count is " + std::to_string(count) + ", but there are places for " +
-                        std::to_string(result.sites.size()) + " samples only");
+    throw ArgumentError("count is " + std::to_string(count) + ", but there are places for only " +
+                        std::to_string(result.sites.size()) + " samples");
   result.locked.resize(count, false);
   return result;
 }
@@ -148,7 +151,7 @@ std::int64_t last_id(const Samples& samples) {
   return *std::max_element(samples.ids.begin(), samples.ids.end());
 }
 
-/// As many more ids as are missing, from above the last that was ever used on.
+/// New ids, starting above the largest id ever used.
 std::vector<std::int32_t> continued(std::vector<std::int32_t> ids, std::int64_t last,
                                     std::size_t count) {
   const std::size_t missing = count - std::min(count, ids.size());
@@ -172,7 +175,7 @@ void check_locked(std::span<const std::int32_t> locked, const Samples& samples, 
                         " samples are locked: the count includes them");
 }
 
-/// As even as the samples were, or as even as locked ones allow.
+/// The target evenness: that of the given samples, or the best that locked ones allow.
 OptimizerResult even_out(const Domain& domain, const Beginning& first, const Samples& samples,
                          OptimizerOptions options, Context* context) {
   Aim aim;

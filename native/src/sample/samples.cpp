@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kRounding = 1e-14;  // of weights that already are normalized
 
-/// Without negative coordinates and with sum 1. What is so to rounding stays as it is: binding
-/// again changes nothing.
+/// Without negative coordinates and with sum 1. Coordinates that satisfy this are unchanged:
+/// binding again changes nothing.
 Vec3 normalized(const Vec3& row) {
   const Vec3 weights = row.cwiseMax(0.0);
   const double sum = weights.sum();
@@ -26,7 +26,7 @@ void check_ids(std::span<const std::int32_t> ids) {
   std::sort(sorted.begin(), sorted.end());
   const auto twin = std::adjacent_find(sorted.begin(), sorted.end());
   if (twin != sorted.end())
-    throw ArgumentError("ids holds " + std::to_string(*twin) + " twice: each must be unique");
+    throw ArgumentError("ids contains " + std::to_string(*twin) + " twice: each must be unique");
 }
 
 }  // namespace

@@ -16,22 +16,23 @@
 namespace dapple {
 namespace {
 
-constexpr double kHarder = 10.0;  // by how much the weight of discs that still overlap grows
+constexpr double kHarder = 10.0;  // factor of the weight of discs that still overlap
 constexpr int kRounds = 4;
 constexpr int kPushes = 20;        // of discs that overlap, along the surface
-constexpr double kOverlap = 1e-3;  // of the wanted distance: for less no step is made again
+constexpr double kOverlap = 1e-3;  // of the wanted distance: smaller overlaps are accepted
 constexpr double kStarting = 3.0;  // a start takes as long as so many evaluations
 constexpr double kThin = 0.1;      // of the tolerance, where most samples are on thin parts ...
 constexpr double kEven = 0.005;    // ... and the capacities vary by more, for at most ...
 constexpr int kMore = 15;          // ... so many evaluations more
-constexpr std::size_t kFew = 50;   // sites tell nothing of a shell
-constexpr std::size_t kLookedAt = 500;  // are looked at
+constexpr std::size_t kFew = 50;   // sites are too few to recognize a shell
+constexpr std::size_t kLookedAt = 500;  // sites are examined
 constexpr double kShell = 0.5;          // of them have the other side near
 constexpr std::size_t kNearest = 6;     // in space, itself among them
 constexpr double kOtherSide = -0.5;     // cosine between normals
-constexpr int kSettling = 2;            // times that the numbers of neighborhoods are looked at
-constexpr double kAlone = 0.35;  // of the progress after the start: every class is even by itself
-constexpr double kRound = 0.4;  // of the progress that is left: nobody knows how many there will be
+constexpr int kSettling = 2;            // times that the numbers of neighborhoods are checked
+constexpr double kAlone =
+    0.35;  // share of the progress after the start when every class is even by itself
+constexpr double kRound = 0.4;   // share of the remaining progress, as their number is unknown
 constexpr double kRough = 5e-4;  // tolerance before all classes move together
 constexpr double kPolish = 2.0;  // times the tolerance, where they are nearly even when they meet
 constexpr double kInTurn = 0.6;  // of the progress after the start
@@ -42,7 +43,7 @@ std::vector<std::int32_t> numbers_from(std::int32_t first, std::size_t count) {
   return numbers;
 }
 
-/// At least one: where the sites are is known only then.
+/// At least one evaluation, because positions are needed.
 int evaluations_left(const OptimizerOptions& options, const Minimum& sum) {
   return std::max(options.max_evaluations - sum.evaluations, 1);
 }
@@ -103,7 +104,7 @@ void settle_alone(const ClassProblem& problem, const ClassOptions& options, Site
 
 namespace {
 
-/// The same number of sites, as many in each neighborhood as its share of the density asks for.
+/// Move sites between neighborhoods so that each has its share of the density; the number stays.
 /// Those that stay keep their places in the order.
 Sites evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Context* context,
              int& evaluations) {
@@ -119,8 +120,8 @@ Sites evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Conte
   return result;
 }
 
-/// Whether many sites have some of the other side of a sheet as near as their neighbors, and the
-/// two sides are connected, over a rim.
+/// Whether many sites have sites of the other side of a sheet as close as their neighbors, and the
+/// two sides are connected over a rim.
 bool is_thin_shell(const Domain& domain, const Surface& surface, const Sites& sites) {
   if (sites.size() < kFew) return false;
   const OrderedSurface& ordered = surface.ordered();
@@ -144,9 +145,8 @@ bool is_thin_shell(const Domain& domain, const Surface& surface, const Sites& si
   return static_cast<double>(close) > kShell * static_cast<double>(looked_at);
 }
 
-/// Darts keep apart, but how many are here or there is left to chance. Where there are gaps without
-/// density no step takes one across, and few get around them or around the rim of a shell. Locked
-/// sites stay where they are, and the others of their class.
+/// Darts keep apart, but their local number is random. No step crosses a gap without density, and
+/// few sites move around gaps or the rim of a shell. Classes with locked sites are not changed.
 int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites,
                    Context* context) {
   int evaluations = 0;
@@ -198,7 +198,7 @@ bool alike(const ClassProblem& problem) {
   });
 }
 
-/// Those that are not empty.
+/// The classes that are not empty.
 std::vector<std::vector<std::size_t>> groups_by_count(const ClassProblem& problem) {
   std::vector<std::size_t> counts;
   counts.reserve(problem.classes.size());
@@ -208,7 +208,7 @@ std::vector<std::vector<std::size_t>> groups_by_count(const ClassProblem& proble
   return groups;
 }
 
-/// Places classes one group after another, each around those that are there already.
+/// Places classes one group after another, each around the previous ones.
 class InTurn {
  public:
   InTurn(const ClassProblem& problem, const ClassOptions& options)
@@ -274,8 +274,8 @@ bool goes_in_turn(const ClassProblem& problem, const ClassOptions& options) {
          options.sample.optimizer.method == Method::kTrustRegion && alike(problem);
 }
 
-/// Rare classes first, then the others around them, then all together: from one start for all, a
-/// few large cells would be crowded by many small ones that have to make room first.
+/// Rare classes first, then the others around them, then all together. With one start for all, a
+/// few large cells would be crowded by many small ones.
 ClassMinimum solve_in_turn(const ClassProblem& problem,
                            const std::vector<std::vector<std::size_t>>& groups,
                            const ClassOptions& options, Context* context) {

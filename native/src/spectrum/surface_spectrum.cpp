@@ -21,14 +21,14 @@ namespace {
 
 constexpr std::size_t kGrain = 64;
 constexpr double kSites = 2.0 / std::numbers::sqrt3;  // number of sites in a squared spacing
-constexpr double kBorderStep = 0.1;  // between the points that stand for a border, in spacings
+constexpr double kBorderStep = 0.1;  // between the points that represent a border, in spacings
 constexpr double kFarthest = 3.0;    // frequency, in sqrt(n / A)
 constexpr double kSameSlope = 1e-6;  // c_p = c_q to rounding: the formula's limit is used
 constexpr double kLargestRadius = 100.0;
 constexpr int kMostBins = 4096;
-constexpr double kGathered = 0.8;  // of the progress: all pairs are counted
+constexpr double kGathered = 0.8;  // share of the progress when all pairs are counted
 
-/// Euclidean distance lengthened by what the normals tell of the bend between (Bowers et al. 2010,
+/// Euclidean distance lengthened by the bend that the normals indicate (Bowers et al. 2010,
 /// section 3.2); none if p and q face away from each other.
 std::optional<double> geodesic(double distance, double slope_p, double slope_q) {
   const double p = std::clamp(slope_p, -1.0, 1.0);
@@ -40,7 +40,7 @@ std::optional<double> geodesic(double distance, double slope_p, double slope_q) 
   return distance * stretch;
 }
 
-/// Tangent plane with the world's x axis (z where that stands upright) projected on it.
+/// Tangent plane with the world's x axis, or z if x is normal to the plane, projected on it.
 struct Frame {
   Vec3 x, y;
 
@@ -74,7 +74,7 @@ std::vector<Vec3> border_points(const Surface& surface, double step) {
   return points;
 }
 
-/// Integer counts: they add up to the same whatever the order.
+/// Integer counts, whose sums do not depend on the order.
 using Counts = std::vector<std::uint64_t>;
 
 /// The differentials of one run.
@@ -205,7 +205,7 @@ void check_runs(const Surface& surface, std::span<const Samples* const> runs) {
   }
 }
 
-/// Adds up what the runs have.
+/// Adds up the counts of the runs.
 class Gathering {
  public:
   Gathering(const SurfaceSpectrumOptions& options, std::size_t runs, Context* context)
@@ -346,7 +346,7 @@ void blank_corners(std::vector<double>& ratios, const Bins& bins, double radius)
 void finish(SurfaceSpectrum& result, Context* context) {
   const Bins bins{result.bins, 2.0 * result.radius / result.bins};
   result.radial_differentials = radial_differentials(result.differentials, bins);
-  const double step = 0.5 / result.radius;  // what the neighborhood resolves
+  const double step = 0.5 / result.radius;  // the resolution of the neighborhood
   const double unit = std::sqrt(kSites);    // spacing * sqrt(n / A)
   result.frequency_step = step / unit;
   result.half_width =
@@ -371,7 +371,7 @@ SurfaceSpectrum surface_spectrum(const Surface& surface, std::span<const Samples
   });
   if (gathering.centers() == 0)
     throw ArgumentError("radius is " + number(options.radius) +
-                        " spacings: no sample is as far from the border");
+                        " spacings: no sample is that far from the border");
   SurfaceSpectrum result;
   result.runs = runs.size();
   result.centers = gathering.centers();

@@ -24,7 +24,7 @@ constexpr double kFirstRadius = 0.76;
 constexpr double kShrink = 0.96;
 constexpr std::size_t kPatience = 4;         // darts per wanted sample at one radius
 constexpr double kFillingTime = 4.0;         // filled to x takes as long as x to this power
-constexpr std::size_t kLeastBatch = 64;      // darts that are thrown together
+constexpr std::size_t kLeastBatch = 64;      // darts thrown together
 constexpr std::size_t kLargestBatch = 8192;  // it may take 10 ms
 constexpr std::size_t kGrain = 256;          // of them, in one piece of parallel work
 constexpr double kUnion = 0.85;              // distance to any class, in the spacing of all
@@ -44,8 +44,8 @@ std::vector<Dart> darts_at(const Surface& surface, const Sites& sites) {
   return result;
 }
 
-/// Append the darts of a class: the locked ones as they were, the others in an order in space. What
-/// is near is then near in memory too, from the optimization to whoever uses the samples.
+/// Append the darts of a class: locked ones first, the others in an order in space, so that
+/// neighbors are close in memory during the optimization and later.
 void add(const ClassStart& wanted, std::span<const Dart> darts, Sites& sites) {
   const std::size_t first = wanted.locked.size();
   std::vector<Vec3> thrown;
@@ -120,7 +120,7 @@ class Throwing {
 
  private:
   struct Drawn {
-    Random before{0};  // the numbers that it was drawn with, and those of what comes after it
+    Random before{0};  // the random state before this draw, and after it
     DartBoard::Draw draw{};
     Dart dart{};
     bool refused = false;
@@ -195,8 +195,8 @@ class Throwing {
     return best;
   }
 
-  /// How many were thrown, at most `most`. Where classes take turns, the next dart's class depends
-  /// on what became of the last one.
+  /// Throw at most `most` darts and return their number. If classes take turns, the class of the
+  /// next dart depends on the fate of the last one.
   std::size_t throw_some(const std::vector<ClassDarts*>& group, double fraction, std::size_t most) {
     if (group.size() == 1) return throw_batch(*group[0], fraction, most);
     most = std::min(most, kLeastBatch);
@@ -211,8 +211,8 @@ class Throwing {
     return most;
   }
 
-  /// The same darts in the same order as one at a time. What is refused by the darts before the
-  /// batch is found in parallel; most are. The others then meet those that the batch has kept.
+  /// The result is the same as with one dart at a time. Darts that earlier ones refuse, which most
+  /// are, are found in parallel. The others are then compared with those kept from the batch.
   std::size_t throw_batch(ClassDarts& members, double fraction, std::size_t most) {
     draw(members, std::min(most, batch_));
     test(members, fraction);
@@ -224,7 +224,7 @@ class Throwing {
       keep(members, drawn.dart, fraction);
       fresh_.insert(drawn.dart, own_radius(members, drawn.dart, fraction));
       if (!closed && !members.full()) continue;
-      // What was drawn after it was drawn from a board that has changed.
+      // Later draws came from a board that has changed.
       if (k + 1 < drawn_.size()) random_ = drawn_[k + 1].before;
       batch_ = std::max(k + 1, kLeastBatch);
       return k + 1;
@@ -242,7 +242,7 @@ class Throwing {
     }
   }
 
-  /// Where no draw is rejected, it is known with which numbers each begins. False if one was.
+  /// If no draw is rejected, the random state of each is known. False if one was rejected.
   bool draw_at_once(const ClassDarts& members) {
     constexpr std::uint64_t kNumbers = DartBoard::kNumbers;
     std::atomic<bool> rejected = false;
@@ -275,14 +275,15 @@ class Throwing {
     return dart_at(*members.start->surface, draw.face, draw.weights);
   }
 
-  /// By these of its own class, all of them or those that the batch has kept, or by others.
+  /// Whether a dart is refused by darts of its class, all or those kept from the batch, or by
+  /// others.
   [[nodiscard]] bool is_refused(const DartSet& own, const ClassDarts& members, const Dart& dart,
                                 double fraction) const {
     return own.refuses(dart, own_radius(members, dart, fraction)) ||
            is_refused_by_others(members, dart, fraction);
   }
 
-  /// By those of other classes, and where there are some by its own together with them.
+  /// Whether it is refused by other classes, or by all classes together.
   [[nodiscard]] bool is_refused_by_others(const ClassDarts& members, const Dart& dart,
                                           double fraction) const {
     if (many() && any_.refuses(dart, union_radius(dart, fraction))) return true;
@@ -301,7 +302,7 @@ class Throwing {
     if (members.start->radius > 0.0) members.discs.insert(dart, members.start->radius);
   }
 
-  // Only discs at least as large are there, so a grid's cell, twice its radius, is wide enough.
+  // All discs in the grid are at least as large, so a cell of twice its radius is wide enough.
   [[nodiscard]] bool overlaps(const ClassDarts& members, const Dart& dart, double yield) const {
     const double own = members.start->radius;
     const auto reach = [&](const DartGrid::Member& other) {

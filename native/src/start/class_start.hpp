@@ -11,13 +11,13 @@ struct ClassStart {
   const Surface* surface;  ///< with the density of the class
   std::size_t count;       ///< locked sites included
   double radius = 0.0;     ///< of its discs; sites of two classes keep apart by the sum
-  Sites locked = {};       ///< sites that are there already
+  Sites locked = {};       ///< existing sites
 };
 
 /// All classes to place, on surfaces of the same faces.
 struct ClassStarts {
   std::vector<ClassStart> classes;
-  const Surface* all;   ///< with the density of all together
+  const Surface* all;   ///< with the density of the union
   double period = 0.0;  ///< of the torus; 0 elsewhere
   std::uint64_t seed = 0;
 };

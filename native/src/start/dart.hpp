@@ -17,7 +17,7 @@ struct Dart {
   double density;  ///< there
 };
 
-/// Whether two darts are not on the two sides of a wall.
+/// Whether two darts are on the same side of a wall.
 template <typename A, typename B>
 [[nodiscard]] bool on_one_side(const A& a, const B& b) {
   return a.normal.dot(b.normal) > -0.5;
@@ -30,7 +30,7 @@ template <typename A, typename B>
   return a.component == b.component && on_one_side(a, b);
 }
 
-/// The dart that would have hit a site of the surface.
+/// The dart at a site of the surface.
 [[nodiscard]] Dart dart_at(const Surface& surface, OrderedFace face, const Vec3& weights);
 
 }  // namespace dapple

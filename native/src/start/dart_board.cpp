@@ -10,8 +10,8 @@
 namespace dapple {
 namespace {
 
-/// What is left of the quotas once some are taken; where an island holds more than its quota, the
-/// others give up places, the richest first.
+/// The quotas that remain after some darts are placed. If an island holds more than its quota, the
+/// others give up places, the largest quota first.
 void subtract(std::vector<std::size_t>& quotas, const std::vector<std::size_t>& taken) {
   std::size_t owed = 0;
   for (std::size_t k = 0; k < quotas.size(); ++k) {

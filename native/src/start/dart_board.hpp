@@ -14,12 +14,12 @@ class DartBoard {
   /// \param taken darts that are there already, `count` includes them
   DartBoard(const Surface& surface, std::size_t count, const std::vector<Dart>& taken = {});
 
-  /// A point of the surface, before it is looked up.
+  /// A random point of the surface, before its face is found.
   struct Draw {
     OrderedFace face;
     Vec3 weights;
   };
-  static constexpr std::uint64_t kNumbers = 4;  ///< that a draw takes if nothing is rejected
+  static constexpr std::uint64_t kNumbers = 4;  ///< random numbers of a draw without rejection
   /// \pre a place is left
   [[nodiscard]] Draw draw(Random& random) const;
   /// One place of the dart's island is taken. True if it was the last one: what was drawn

@@ -7,7 +7,7 @@ namespace dapple {
 namespace {
 
 constexpr double kCells = 0x1p62;   // numbers of cells along an axis
-constexpr double kSlack = 0x1p-50;  // of a place in cells: more than it is rounded by
+constexpr double kSlack = 0x1p-50;  // of a position in cells: larger than its rounding error
 
 }  // namespace
 
@@ -47,7 +47,7 @@ void DartGrid::enter_buckets(std::vector<Walk>& walks) const {
   walks.resize(left);
 }
 
-// Far out the numbers of cells begin anew: two may be one, as they may in a bucket.
+// Far out the numbers of cells wrap: two cells may have the same number, as in a bucket.
 DartGrid::Address DartGrid::address(const Vec3& p) const {
   const auto along = [&](double x) {
     double cell = std::floor(x / cell_);

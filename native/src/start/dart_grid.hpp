@@ -15,7 +15,7 @@ namespace dapple {
 /// Darts in a hashed grid over space, or around the torus [0, period)^2.
 class DartGrid {
  public:
-  /// What others keep away from: a line of memory.
+  /// A member that others keep away from; it fills a cache line.
   struct alignas(64) Member {
     Vec3 position;
     Vec3 normal;
@@ -25,18 +25,18 @@ class DartGrid {
   };
 
   /// \param cell   not smaller than any distance asked for
-  /// \param period 0 for space without end
+  /// \param period 0 for unbounded space
   DartGrid(double cell, double period);
 
   void insert(const Dart& dart, double radius);
-  /// Forget all members, but not the memory that they had.
+  /// Remove all members and keep their memory.
   void clear();
 
   /// Whether a member lies nearer to the dart than `reach(member)`, which is at most `most`.
   template <typename Reach>
   [[nodiscard]] bool refuses(const Dart& dart, double most, const Reach& reach) const {
     const Block block = around(dart.position, most);
-    // Its own cell is the one that most likely refuses it.
+    // Its own cell is most likely to refuse it.
     if (refuses_in(bucket(block.center), dart, reach)) return true;
     for (std::int64_t x = block.low[0]; x <= block.high[0]; ++x)
       for (std::int64_t y = block.low[1]; y <= block.high[1]; ++y)
@@ -46,15 +46,15 @@ class DartGrid {
     return false;
   }
 
-  /// A dart that members may refuse.
+  /// A candidate that members may refuse.
   struct Asked {
     const Dart* dart;
     double most;
     bool refused = false;
   };
 
-  /// The same for many darts, `reach(asked, member)`. All take a step together, so that what the
-  /// next step reads comes from memory meanwhile: one at a time, nearly all of the time is waiting.
+  /// The same for many darts, `reach(asked, member)`. All take steps together, so that memory for
+  /// the next step loads meanwhile; one at a time they would mostly wait for memory.
   template <typename Reach>
   void refuse(std::span<Asked> asked, const Reach& reach) const {
     std::vector<Walk> walks;
@@ -75,7 +75,7 @@ class DartGrid {
     Address center, low, high;
   };
 
-  // Cells may share a bucket: that costs distance tests, never an answer.
+  // Cells may share a bucket: that costs distance tests, but results stay correct.
   template <typename Reach>
   bool refuses_in(std::size_t bucket, const Dart& dart, const Reach& reach) const {
     for (std::uint32_t m = heads_[bucket]; m != kNone; m = members_[m].next) {

@@ -9,19 +9,19 @@
 
 namespace dapple {
 
-/// Darts that keep apart from each other: two of radius r and s by min(r, s). They are kept by
-/// octaves of their radius, so that a steep density stays quick.
+/// Darts at a minimal distance from each other: min(r, s) for radii r and s. They are stored by
+/// octaves of their radius, so that steep densities stay fast.
 class DartSet {
  public:
   /// \param period as for DartGrid
   explicit DartSet(double period) : period_(period) {}
 
-  /// Whether another that it sees lies too near.
+  /// Whether a dart on the same side is too close.
   [[nodiscard]] bool refuses(const Dart& dart, double radius) const;
   /// The same for many, each with its radius as the most that it asks for; see DartGrid::refuse().
   void refuse(std::span<DartGrid::Asked> asked) const;
   void insert(const Dart& dart, double radius);
-  /// Forget all darts, but not the memory that they had.
+  /// Remove all darts and keep their memory.
   void clear();
   /// Scale all radii.
   void scale(double factor);

@@ -19,18 +19,17 @@ namespace dapple {
 namespace {
 
 constexpr double kNarrow = 3.2;  // spacings around a body that is thin: a rope of that diameter
-constexpr double kLong = 5.0;    // so many times as long as it is around
+constexpr double kLong = 5.0;    // length relative to the circumference
 constexpr double kWide = 0.02;   // share of the density that may be in wider slabs: ends and knots
 constexpr double kFirstSlabs = 64.0;    // to find how long all branches are together ...
 constexpr double kSlabs = 4.0;          // ... and then for each point
 constexpr double kMostPieces = 0x1p24;  // pieces of faces, beyond which it is not tried
 constexpr std::size_t kSpur = 8;        // slabs of a dead end that is visited first
-constexpr int kTries =
-    8;  // places in a slab, of which the one farthest from the last ones is taken
+constexpr int kTries = 8;  // candidates in a slab; the one farthest from the last places is taken
 constexpr std::size_t kLast = 12;   // of those
 constexpr double kAround = 4.0;     // spacings, within which ...
 constexpr double kCrowd = 40.0;     // ... fewer darts tell of a thin body: a plane has 58
-constexpr std::size_t kAsked = 32;  // darts of a component that are asked how many are around them
+constexpr std::size_t kAsked = 32;  // darts of a component whose neighbors are counted
 
 /// The part of a triangle where a linear function is between two levels, in barycentric
 /// coordinates.
@@ -76,8 +75,8 @@ Slice slice(const Vec3& values, double low, double high) {
   return result;
 }
 
-/// A component in slabs of equal distance from one end, in each of which what hangs together is a
-/// node: those of a rope are a path, those of a net a graph.
+/// A component in slabs of equal distance from one end. Each connected piece of a slab is a node:
+/// the nodes of a rope form a path, those of a net a graph.
 class Course {
  public:
   Course(const Surface& surface, std::span<const OrderedFace> faces)
@@ -93,7 +92,7 @@ class Course {
     join_vertices();
   }
 
-  /// Places at equal shares of the density; none where the component is wide or short.
+  /// Positions at equal shares of the density; none if the component is wide or short.
   std::optional<std::vector<Place>> places(std::size_t count, double phase, Random& random) {
     find_distances(random);
     if (!(length_ > 0.0) || !std::isfinite(length_)) return std::nullopt;
@@ -124,7 +123,7 @@ class Course {
                                     vertices_.begin());
   }
 
-  /// How far it is along the edges.
+  /// Distances along the edges.
   void join_vertices() {
     starts_.assign(vertices_.size() + 1, 0);
     for (const auto& corners : corners_)
@@ -145,7 +144,7 @@ class Course {
     return surface_.vertex(surface_.corners(faces_[face])[k]);
   }
 
-  /// From an end: what is farthest from anywhere.
+  /// Distances from an end, which is the vertex farthest from any other.
   void find_distances(Random& random) {
     const auto count = static_cast<double>(vertices_.size());
     measure_from(static_cast<std::size_t>(random.uniform() * count));
@@ -198,7 +197,7 @@ class Course {
     return true;
   }
 
-  /// The piece of a face in a slab; none where it has none there.
+  /// The piece of a face in a slab, if any.
   [[nodiscard]] std::optional<std::size_t> piece(std::size_t face, std::size_t slab) const {
     const std::size_t first = slab_at(distances(face).minCoeff());
     const std::size_t piece = first_piece_[face] + slab - first;
@@ -206,7 +205,7 @@ class Course {
     return piece;
   }
 
-  /// What lies in one slab on two sides of an edge hangs together.
+  /// Connects pieces in one slab on both sides of an edge.
   void join_pieces() {
     parents_.resize(first_piece_.back());
     std::iota(parents_.begin(), parents_.end(), std::size_t{0});
@@ -278,7 +277,7 @@ class Course {
     if (capacity > 0.0) node.pieces.push_back(piece);
   }
 
-  /// Whether it is long, and nearly nowhere wider around than a few spacings.
+  /// Whether it is long and almost everywhere at most a few spacings in circumference.
   [[nodiscard]] bool is_thin(std::size_t count) const {
     double all = 0.0, wide = 0.0, area = 0.0;
     for (const Node& node : nodes_) all += node.capacity;
@@ -293,7 +292,7 @@ class Course {
     return all > 0.0 && wide <= kWide * all && along * along >= kLong * area;
   }
 
-  /// All nodes, along one branch after another.
+  /// All nodes, branch by branch.
   void visit() {
     order_.clear();
     std::vector<std::size_t> way;
@@ -314,7 +313,7 @@ class Course {
     way.push_back(node);
   }
 
-  /// Short dead ends first: later nobody would come by.
+  /// Visits short dead ends first, because they would not be reached later.
   [[nodiscard]] std::optional<std::size_t> next_from(std::size_t at) const {
     std::vector<std::size_t> left;
     for (const std::size_t n : nodes_[at].beside)
@@ -359,8 +358,8 @@ class Course {
     return result;
   }
 
-  /// A place in a slab, at a share of its height, with density; of some the one farthest from the
-  /// last ones that were taken.
+  /// A position with density in a slab, at a share of its height; among candidates, the one
+  /// farthest from the last ones taken.
   [[nodiscard]] std::optional<Place> place_in(const Node& node, double part,
                                               std::span<const Place> taken, Random& random) const {
     const double level = (static_cast<double>(node.slab) + part) * height_;
@@ -381,7 +380,7 @@ class Course {
     return best;
   }
 
-  /// Those of a slab's faces that reach the level; all where rounding leaves none.
+  /// The faces of a slab that reach the level; all of them if rounding leaves none.
   [[nodiscard]] std::vector<std::size_t> faces_at(const Node& node, double level) const {
     std::vector<std::size_t> all, there;
     for (const std::size_t p : node.pieces) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kBlocks = 4.0;  // to a dot
 
-/// How many dots of each class every block is to get, as fractions.
+/// The fractional number of dots of each class for every block.
 class Wanted {
  public:
   Wanted(std::span<const Image> densities, std::span<const std::size_t> counts)
@@ -108,7 +108,7 @@ class Diffusion {
     pass_on(static_cast<std::ptrdiff_t>(row), static_cast<std::ptrdiff_t>(column), forward, lack);
   }
 
-  /// What is empty takes no part: errors that went there would be lost, or come out as dots.
+  /// Empty blocks are skipped: errors moved there would be lost, or become dots.
   void pass_on(std::ptrdiff_t row, std::ptrdiff_t column, std::ptrdiff_t forward,
                std::span<const double> lack) {
     struct Share {
@@ -131,8 +131,8 @@ class Diffusion {
     }
   }
 
-  /// What the last blocks could not even out: the last dots change their classes, go, or get
-  /// company.
+  /// Corrects the error that the last blocks leave: the last dots change their classes, vanish, or
+  /// get company.
   void settle_counts() {
     std::vector<std::ptrdiff_t> missing(counts_.begin(), counts_.end());
     for (const std::int32_t c : dots_.classes) --missing[static_cast<std::size_t>(c)];
@@ -167,7 +167,7 @@ class Diffusion {
   std::span<const std::size_t> counts_;
   Random random_;
   std::vector<bool> filled_;
-  std::vector<double> homeless_;  // lacks that no neighbor could take
+  std::vector<double> homeless_;  // deficits without a neighbor to take them
   Diffused dots_;
 };
 

@@ -8,13 +8,13 @@
 namespace dapple {
 namespace {
 
-/// std::floor(), which is a call where the machine need not have an instruction for it.
+/// std::floor(), which is a function call on machines without an instruction for it.
 double floor_of(double x) {
   const auto toward_zero = static_cast<double>(static_cast<std::int64_t>(x));
   return toward_zero > x ? toward_zero - 1.0 : toward_zero;
 }
 
-/// The parameters at which a coordinate that goes from p to q meets whole numbers, in order.
+/// The parameters at which a coordinate moving from p to q is an integer, in order.
 class Crossings {
  public:
   Crossings(double p, double q) : p_(p), d_(q - p), step_(q > p ? 1.0 : -1.0) {

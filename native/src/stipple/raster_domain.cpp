@@ -23,7 +23,7 @@ constexpr std::size_t kGrain = 512;  // cells a chunk
 constexpr std::size_t kSides = 7;    // of a cell: about six on average
 constexpr std::int32_t kFrame = -1;  // label of the edges along the picture's border
 
-/// In a unit of its own if its values are far from 1.
+/// Rescales the density if its values are far from 1.
 Image checked(Image density) {
   check_image("density", density);
   const double most = *std::max_element(density.values.begin(), density.values.end());
@@ -71,7 +71,7 @@ void append_boundaries(const FlatPolygon& cell, const PixelIntegrals& integrals,
   }
 }
 
-/// The last coordinate of a pixel: what follows is in the next one.
+/// The largest coordinate within a pixel.
 double end_of(std::int32_t pixel, std::int32_t count) {
   const double end = pixel + 1;
   return pixel + 1 < count ? std::nextafter(end, 0.0) : end;
@@ -108,7 +108,7 @@ struct Chunk {
   }
 };
 
-/// Put the boundaries of all sites behind each other, in the order of the sites.
+/// Concatenate the boundaries of all sites, in the order of the sites.
 void join_boundaries(const FlatSites& sites, const std::vector<Chunk>& chunks,
                      RestrictedVoronoi& result) {
   std::size_t count = 0;

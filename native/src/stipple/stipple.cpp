@@ -18,9 +18,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kDiffused = 0.03;  // of the progress: the errors are diffused ...
+constexpr double kDiffused = 0.03;  // share of the progress when the errors are diffused ...
 constexpr double kAlone = 0.25;     // ... and every class is even by itself
-constexpr double kRough = 1e-3;     // tolerance of a class by itself, before all are put together
+constexpr double kRough = 1e-3;     // tolerance of a single class, before all are combined
 
 double sum_of(const Image& image) {
   return std::accumulate(image.values.begin(), image.values.end(), 0.0);
@@ -59,8 +59,7 @@ void check(std::span<const Image> inks, std::size_t count, const StippleOptions&
     check_shape(name_of(c), inks[c], inks[0]);
     ink += sum_of(inks[c]);
   }
-  if (!(ink > 0.0))
-    throw ArgumentError("the picture is white everywhere: there is nothing to put dots on");
+  if (!(ink > 0.0)) throw ArgumentError("the picture is white everywhere: no dots can be placed");
 }
 
 void check_counts(std::span<const Image> inks, std::size_t count,
@@ -74,7 +73,7 @@ void check_counts(std::span<const Image> inks, std::size_t count,
   for (std::size_t c = 0; c < counts.size(); ++c)
     if (counts[c] > 0 && !(sum_of(inks[c]) > 0.0))
       throw ArgumentError(entry("counts", c) + " is " + std::to_string(counts[c]) +
-                          ", and the picture has nothing of this ink");
+                          ", but the picture does not contain this ink");
 }
 
 // ---- what is solved ----
@@ -108,7 +107,7 @@ ClassProblem to_problem(std::span<const Image> inks, std::span<const std::size_t
   return problem;
 }
 
-/// Class by class, each dot where its ink is.
+/// Class by class, move each dot to where its ink is.
 Sites to_sites(const ClassProblem& problem, const Diffused& dots) {
   Sites sites;
   for (std::size_t c = 0; c < problem.classes.size(); ++c) {
@@ -130,15 +129,15 @@ double radius_of(std::span<const Image> inks, std::size_t count) {
   return std::sqrt(covered / (std::numbers::pi * static_cast<double>(count)));
 }
 
-/// For every class by itself: roughly, since the others move it again.
+/// Optimize every class alone: roughly, because the others move it again.
 ClassOptions rough(ClassOptions options) {
   double& tolerance = options.sample.optimizer.tolerance;
   tolerance = std::max(tolerance, kRough);
   return options;
 }
 
-/// Each class weighs as much as it has dots: then every dot is held alike, and the few of a rare
-/// ink yield to the many.
+/// The weight of a class is its number of dots: then all dots have equal weight, and the few of a
+/// rare ink yield to the many.
 Objective to_objective(const ClassProblem& problem, const ClassOptions& options) {
   Objective objective = make_objective(problem, class_of_sites(problem), options);
   const auto classes = static_cast<double>(objective.terms.size() - 1);
@@ -201,7 +200,7 @@ Stipples stipple_inks(std::span<const Image> inks, std::size_t count, const Stip
 
 std::array<Image, kInks> separate_inks(const ColorImage& picture) {
   constexpr std::array<const char*, 3> kNames = {"red", "green", "blue"};
-  // Of the three process colors, the ink that two make and the one that is left alone.
+  // The ink that two of the three process colors make, and the remaining one.
   constexpr std::array<Ink, 3> kWithout = {Ink::kRed, Ink::kGreen, Ink::kBlue};
   constexpr std::array<Ink, 3> kLeftAlone = {Ink::kCyan, Ink::kMagenta, Ink::kYellow};
   for (std::size_t k = 0; k < 3; ++k) {

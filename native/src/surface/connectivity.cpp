@@ -13,13 +13,13 @@
 namespace dapple {
 namespace {
 
-// Of the progress: what is done after each step.
+// Progress after each step.
 constexpr double kVerticesOrdered = 0.12, kFacesOrdered = 0.35, kEdgesLinked = 0.65, kWelded = 0.94;
 
 constexpr std::size_t kLookups = 65536;  // between two checks
-constexpr double kFarthest = 1e300;      // a coordinate to which the size of a cell can be added
+constexpr double kFarthest = 1e300;      // a coordinate plus the size of a cell does not overflow
 constexpr double kNoTolerance = -1.0;
-constexpr double kAll = 2.0;  // of the diagonal: no vertices are farther apart
+constexpr double kAll = 2.0;  // in diagonals: more than the distance of any vertices
 
 struct HalfEdgeKey {
   std::int32_t low, high, half_edge;
@@ -119,7 +119,7 @@ double tolerance_of(std::span<const Vec3> vertices, double weld) {
   return std::min(weld, kAll) * (high - low).stableNorm();
 }
 
-/// Link the edges, those at the same place too where `weld` asks for it.
+/// Link the edges; with `weld` also those at the same place.
 void link(std::span<const Vec3> vertices, std::optional<double> weld, Connectivity& mesh,
           Context* context) {
   Stretch linking(context, kFacesOrdered, kEdgesLinked), welding(context, kEdgesLinked, kWelded);
@@ -140,7 +140,7 @@ void link(std::span<const Vec3> vertices, std::optional<double> weld, Connectivi
                                       mesh.next_around_edge, welding.context());
 }
 
-/// Link the edges that the caller knows to be one.
+/// Link the edges that the caller has identified.
 void link(std::span<const std::int32_t> edges, std::span<const std::int32_t> places,
           Connectivity& mesh, Context* context) {
   Stretch linking(context, kFacesOrdered, kEdgesLinked);
@@ -166,7 +166,7 @@ void link(std::span<const std::int32_t> edges, std::span<const std::int32_t> pla
   }
 }
 
-/// All but the links.
+/// Everything except the links.
 Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face> faces,
                            Context* context) {
   Connectivity result;

@@ -27,18 +27,16 @@ struct Connectivity {
   std::vector<DoubledFace> doubled;  // sorted by face; each is in the component of the other
 };
 
-/// Connect faces over edges of the same vertices and, where `weld` asks for it, over border edges
-/// at the same place (see SurfaceOptions::weld).
-/// \pre the faces' vertices are there.
-/// \throw Cancelled
+/// Connect faces over edges of the same vertices and, with `weld`, over border edges at the same
+/// place (see SurfaceOptions::weld). \pre the faces' vertices exist. \throw Cancelled
 [[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
                                    std::optional<double> weld, bool merge_doubled,
                                    Context* context = nullptr);
 
-/// Connect faces over the edges that the caller knows to be one (see Joints).
+/// Connect faces over the edges that the caller has identified (see Joints).
 /// \param edges per face three.
 /// \param places per vertex
-/// \pre the faces' vertices are there, and the lengths fit.
+/// \pre the faces' vertices exist, and the lengths match.
 /// \throw Cancelled
 [[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
                                    std::span<const std::int32_t> edges,

@@ -14,7 +14,7 @@ namespace dapple {
 
 using PlaneKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-/// Vertices have a number, faces say whether they are inside.
+/// Vertices have an index, faces a flag whether they are inside.
 using ConstrainedTriangulation = CGAL::Constrained_Delaunay_triangulation_2<
     PlaneKernel,
     CGAL::Triangulation_data_structure_2<

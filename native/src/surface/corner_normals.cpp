@@ -14,7 +14,8 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 4096;  // faces a chunk
-constexpr double kRounding = 1e-9;    // of a cosine: an edge at just the angle is not sharper
+constexpr double kRounding =
+    1e-9;  // of a cosine, so that an edge of exactly this angle is not sharper
 constexpr std::int32_t kNone = -1;
 constexpr double kSame = 1e-4;  // between normals of one place, stored in single precision
 
@@ -27,7 +28,7 @@ std::int32_t start_of(const OrderedSurface& mesh, std::int32_t h) {
   return mesh.welded(mesh.corners(face_of(h))[static_cast<std::size_t>(corner_of(h))]);
 }
 
-/// The other half-edge of an edge of two faces that are oriented alike.
+/// The other half-edge of an edge whose two faces have the same orientation.
 std::optional<std::int32_t> twin_of(const OrderedSurface& mesh, std::int32_t h) {
   const std::int32_t twin = mesh.next_around(h);
   if (twin == h || mesh.next_around(twin) != h) return std::nullopt;
@@ -54,7 +55,7 @@ bool is_sharp(const OrderedSurface& mesh, std::int32_t h, std::int32_t twin, dou
   return false;
 }
 
-/// \param hard whether an edge of two faces is, by its half-edges
+/// \param hard per half-edge, whether its edge is hard
 template <typename Hard>
 std::vector<std::uint8_t> hard_edges(const OrderedSurface& mesh, const Hard& hard) {
   std::vector<std::uint8_t> result(mesh.face_count(), 0);
@@ -103,7 +104,7 @@ class Fans {
   const OrderedSurface& mesh_;
 };
 
-/// By a power of two, so that products of coordinates neither overflow nor change their digits.
+/// Scales by a power of two, so that products of coordinates neither overflow nor lose digits.
 Vec3 of_length_one_or_so(const Vec3& v) {
   const double largest = v.cwiseAbs().maxCoeff();
   return largest > 0.0 ? Vec3(v * std::ldexp(1.0, -std::ilogb(largest))) : v;

@@ -13,9 +13,8 @@ namespace dapple {
 [[nodiscard]] std::shared_ptr<const Shading> shading_by_angle(const OrderedSurface& mesh,
                                                               double sharp_angle);
 
-/// The same with normals that are given; edges across which these jump are hard too, and no other
-/// inner ones between faces that have such normals.
-/// \param corners three per face of the caller's, unit or zero
+/// The same with given normals: between faces that have them, exactly the edges across which they
+/// jump are hard. \param corners three per face of the caller's, unit or zero
 [[nodiscard]] std::shared_ptr<const Shading> shading_of_normals(const OrderedSurface& mesh,
                                                                 double sharp_angle,
                                                                 std::span<const Vec3> corners);
@@ -25,7 +24,7 @@ namespace dapple {
 /// vertex (Thuermer and Wuethrich 1998). Zero where these cancel.
 class CornerNormals {
  public:
-  /// \param faces the caller's indices of those that are wanted
+  /// \param faces the caller's indices of the faces
   CornerNormals(const OrderedSurface& mesh, std::span<const std::int32_t> faces);
 
   /// \pre the face is wanted

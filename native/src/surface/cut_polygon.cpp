@@ -19,16 +19,16 @@ using Vertex = Triangulation::Vertex_handle;
 using Cut = std::array<std::int32_t, 3>;
 using Cuts = std::vector<Cut>;
 
-constexpr double kStraight = 1e-9;          // sine of a corner that is none
+constexpr double kStraight = 1e-9;          // sine of a straight corner
 constexpr double kFlat = 1e-9;              // distance from the plane, as a share of the size
 constexpr double kNoPlane = 1e-12;          // area, as a share of the squared size
-constexpr std::size_t kMostSearched = 200;  // corners: the search takes their number cubed
+constexpr std::size_t kMostSearched = 200;  // corners: the search takes cubic time
 
 bool all_finite(std::span<const Vec3> corners) {
   return std::all_of(corners.begin(), corners.end(), [](const Vec3& p) { return p.allFinite(); });
 }
 
-/// Within 1 of the origin; digits stay, as the scale is a power of two.
+/// Scales into the unit ball by a power of two, so that no digits change.
 std::vector<Vec3> scaled(std::span<const Vec3> corners) {
   double most = 0.0;
   for (const Vec3& p : corners) most = std::max(most, p.cwiseAbs().maxCoeff());
@@ -67,7 +67,7 @@ Cuts fan(std::size_t corners) {
   return cuts;
 }
 
-/// Whether c is clearly to the left of the way from a to b, seen against the normal.
+/// Whether c is clearly to the left of the line from a to b, looking against the normal.
 bool left(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal) {
   const Vec3 along = b - a, across = c - a;
   return along.cross(across).dot(normal) > kStraight * along.norm() * across.norm();
@@ -84,8 +84,8 @@ bool convex(std::span<const Vec3> corners, const Vec3& normal) {
   return true;
 }
 
-/// Without the coordinate along which the polygon is seen largest: the others keep their digits, so
-/// that what is on one line stays so.
+/// Drops the coordinate along which the projection is largest. The others keep their digits, so
+/// collinear points stay collinear.
 std::vector<Point> dropped(std::span<const Vec3> corners, const Vec3& normal) {
   Eigen::Index axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
@@ -96,7 +96,7 @@ std::vector<Point> dropped(std::span<const Vec3> corners, const Vec3& normal) {
   return points;
 }
 
-/// In the plane across the normal.
+/// Projects into the plane perpendicular to the normal.
 std::vector<Point> projected(std::span<const Vec3> corners, const Vec3& normal) {
   const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
   std::vector<Point> points;
@@ -108,8 +108,8 @@ std::vector<Point> projected(std::span<const Vec3> corners, const Vec3& normal) 
 /// A polygon in the plane whose edges may touch, but not cross.
 class FlatPolygon {
  public:
-  /// \param places where the corners are in space
-  /// \return none if edges cross, nothing is inside, or different places fall together
+  /// \param places the positions of the corners in space
+  /// \return none if edges cross, nothing is inside, or different positions coincide
   std::optional<Cuts> cut(const std::vector<Point>& corners, std::span<const Vec3> places) {
     for (const Point& p : corners) insert(p);
     const std::size_t n = at_.size();
@@ -168,14 +168,14 @@ class FlatPolygon {
     return {};
   }
 
-  /// Whether an odd number of rounds passes an edge.
+  /// Whether an edge is passed an odd number of times.
   bool crosses(Triangulation::Face_handle face, int k) const {
     if (!face->is_constrained(k)) return false;
     const auto found = odd_.find(between(face->vertex(face->cw(k)), face->vertex(face->ccw(k))));
     return found != odd_.end() && found->second;
   }
 
-  /// In an order that depends on the corners alone.
+  /// The triangles in an order that depends only on the corners.
   [[nodiscard]] Cuts inner() const {
     Cuts cuts;
     for (const auto face : mesh_.finite_face_handles()) {
@@ -193,7 +193,7 @@ class FlatPolygon {
   std::map<Edge, bool> odd_;
 };
 
-/// The triangles of the least area over all that have the polygon for their border.
+/// The triangulation of least area whose border is the polygon.
 class LeastArea {
  public:
   explicit LeastArea(std::span<const Vec3> corners)

@@ -6,11 +6,11 @@
 
 namespace dapple {
 
-/// Triangles over the corners of a polygon, which may have dents and need not be quite flat; each
+/// Triangulates a polygon, which may be concave and need not be planar; each triangle
 /// is three indices into `corners`, in the polygon's sense.
 ///
 /// Convex polygons become fans from their first corner. Others get a constrained Delaunay
-/// triangulation in the plane that they are nearest to; where edges cross there, the triangles of
+/// triangulation in their best plane; if edges cross there, the triangulation of
 /// the least area (Klincsek 1980). Corners that repeat a place may remain unused.
 [[nodiscard]] std::vector<std::array<std::int32_t, 3>> cut_polygon(std::span<const Vec3> corners);
 

@@ -12,7 +12,7 @@
 
 namespace dapple {
 
-/// A face that lies on another corner by corner, and does not count.
+/// A face that coincides with another corner by corner, and is ignored.
 struct DoubledFace {
   OrderedFace face;
   OrderedFace counted;                  // the face that it lies on; this one counts

@@ -21,7 +21,7 @@ bool lacks_density(const Surface& surface) {
   return found;
 }
 
-/// Whether there is density along a half-edge, on the side of its face.
+/// Whether the density is positive along a half-edge, on the side of its face.
 bool has_density_along(const OrderedSurface& mesh, std::int32_t half_edge) {
   const Vec3 values = mesh.densities(face_of(half_edge));
   return values[half_edge % 3] > 0.0 || values[(half_edge + 1) % 3] > 0.0;

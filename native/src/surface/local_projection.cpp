@@ -25,7 +25,7 @@ namespace {
 constexpr std::size_t kGrain = 64;
 constexpr double kRounding = 1e-9;  // of a distance ...
 constexpr double kDigits = 1e-14;   // ... and of the coordinates that it comes from
-constexpr double kTurned = 0.5;     // cosine: a hit turned further than this is looked at
+constexpr double kTurned = 0.5;     // cosine: hits turned farther than this are examined
 constexpr int kStraight = 200;      // faces crossed on the straight way to a hit
 
 class Walk {
@@ -38,7 +38,7 @@ class Walk {
   Hit from(OrderedFace start) {
     Hit best = closest(start);
     const bool may_stay = surface_.uniform() || has_density(surface_, start);
-    // The ball touches the edge where the nearest point is: rounding must not part them.
+    // The ball touches the edge of the nearest point; rounding must not separate them.
     const double radius = std::sqrt(best.squared_distance) * (1.0 + kRounding) +
                           kDigits * point_.cwiseAbs().maxCoeff();
     const double ball = radius * radius;
@@ -75,7 +75,7 @@ class Walk {
     return {(found - point_).squaredNorm(), face, weights};
   }
 
-  // Ties go to the lowest face of the caller, as in the projector.
+  // Ties go to the caller's lowest face index, as in the projector.
   [[nodiscard]] Hit better(const Hit& a, const Hit& b) const {
     if (a.squared_distance != b.squared_distance)
       return a.squared_distance < b.squared_distance ? a : b;
@@ -118,8 +118,8 @@ std::optional<std::int32_t> edge_toward(const Surface& surface, OrderedFace face
   return best;
 }
 
-/// Whether going straight from one face leads to the hit: if it lies on another sheet it does not,
-/// not even on one that lies at the same place.
+/// Whether a straight walk from one face leads to the hit. It does not if the hit is on another
+/// sheet, even at the same place.
 bool leads_to(const Surface& surface, OrderedFace from, OrderedFace hit, const Vec3& point) {
   for (int step = 0; step < kStraight && from != hit; ++step) {
     const std::optional<std::int32_t> edge = edge_toward(surface, from, point);
@@ -160,7 +160,7 @@ void LocalProjection::mend(std::span<const Vec3> points, std::span<const std::in
     for (std::size_t k = begin; k < end; ++k) {
       const OrderedFace start = surface_->ordered().counted_face(from[k]);
       const OrderedFace hit = surface_->ordered().ordered_face(hits.faces[k]);
-      if (start == hit || !has_density(*surface_, start)) continue;  // nobody is to stay there
+      if (start == hit || !has_density(*surface_, start)) continue;  // no site may stay there
       if (on_another_sheet(*surface_, start, hit))
         walk_to(points[k], start, k, hits);
       else if (!leads_to(*surface_, start, hit, hits.positions[k]))

@@ -37,8 +37,8 @@ void add_corners(const Rows<T>& rows, std::size_t polygon, const Face& face,
   }
 }
 
-/// A number for a place, whose sum over a polygon is that of no other one: opposite sides of a cube
-/// differ in signs alone.
+/// A hash of a position. Sums over polygons differ even for opposite sides of a cube, whose
+/// coordinates differ only in sign.
 std::uint64_t mixed(const Vec3& place) {
   std::uint64_t result = 0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -47,7 +47,7 @@ std::uint64_t mixed(const Vec3& place) {
   return result;
 }
 
-/// For each corner of one polygon that of another one at the same place; empty unless all have one.
+/// For each corner of one polygon, the corner of another at the same place; empty unless all match.
 std::vector<std::size_t> matched(std::span<const Vec3> there, std::span<const Vec3> here) {
   std::vector<std::size_t> result;
   if (there.size() != here.size()) return result;
@@ -132,7 +132,7 @@ std::vector<Vec3> MeshBuilder::places_of(std::size_t polygon) const {
 }
 
 /// For each polygon of more than three corners the first one that may lie on it corner by corner,
-/// or itself. Those are cut alike: faces count once only where their triangles are the same.
+/// or itself. Both are cut alike, because doubled faces count once only if their triangles agree.
 std::vector<std::size_t> MeshBuilder::cut_like() const {
   std::vector<std::size_t> result(ends_.size());
   std::iota(result.begin(), result.end(), std::size_t{0});

@@ -31,10 +31,10 @@ const Format& format_of(const std::filesystem::path& path) {
   for (const Format& format : kFormats)
     if (suffix == format.suffix) return format;
   throw FileError(path.string() + " has the suffix '" + suffix +
-                  "': known are .off, .obj, .ply and .stl");
+                  "': supported are .off, .obj, .ply and .stl");
 }
 
-/// What is made of the bytes of a file, whose name stands before what is wrong with them.
+/// Reads the bytes of a file; error messages begin with its name.
 template <typename Read>
 auto about(const std::filesystem::path& path, Read read) {
   if (!std::filesystem::is_regular_file(path))

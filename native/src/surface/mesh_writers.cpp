@@ -36,7 +36,7 @@ void add_place(std::string& text, const Vec3& p) {
   text += '\n';
 }
 
-/// \param first what the first vertex is counted as
+/// \param first the number of the first vertex
 void add_face(std::string& text, const char* before, const Face& face, std::int32_t first) {
   const auto& [a, b, c] = face;
   text += before + std::to_string(a + first) + " " + std::to_string(b + first) + " " +

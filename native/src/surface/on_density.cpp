@@ -7,7 +7,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kInward = 1e-6;      // of the way to the corner where the density is largest
+constexpr double kInward = 1e-6;      // share of the distance to the corner of largest density
 constexpr std::size_t kGrain = 1024;  // points
 
 }  // namespace

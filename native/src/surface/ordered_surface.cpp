@@ -17,7 +17,7 @@ namespace {
 // A face thinner than this against its longest edge has no usable normal; it counts as having no
 // area.
 constexpr double kDegenerate = 1e-14;
-// Of the progress.
+// Share of the progress.
 constexpr double kPlaced = 0.1, kMeasured = 0.95;
 
 /// Geometry of the triangle x with the density f at its corners.
@@ -184,7 +184,7 @@ double OrderedSurface::find_density_unit() const {
   if (density_->values.empty()) return 1.0;
   const double most = *std::max_element(density_->values.begin(), density_->values.end());
   if (dapple::density_unit(most, 1.0) == 1.0) return 1.0;
-  double area = 0.0, sum = 0.0;  // the largest value may lie where there is no area
+  double area = 0.0, sum = 0.0;  // the largest value may be on a face without area
   for (std::size_t f = 0; f < face_count(); ++f) {
     if (!counts(nth_face(f))) continue;
     const auto [a, b, c] = corners(nth_face(f));

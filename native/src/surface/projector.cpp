@@ -28,31 +28,30 @@ namespace {
 // distance by a few times that. Everything within this much of the best distance is compared in
 // double precision.
 constexpr double kMargin = 2e-6;
-// Sizes of the surface from its middle: from farther away, only the direction counts.
+// In sizes of the surface, from its center: beyond this distance only the direction matters.
 constexpr double kFar = 1e12;
 constexpr std::size_t kGrain = 65536;  // faces or vertices between two checks
 // A surface whose faces are smaller than so many margins is split where there are gaps: Embree
 // could not tell faces of one part from each other.
 constexpr double kFine = 50.0;
 constexpr double kGap = 0.25;     // of the length along which it is split
-constexpr std::size_t kFew = 64;  // faces that may well be looked at one by one
+constexpr std::size_t kFew = 64;  // faces: so few are tested one by one
 
-/// \param device null for what went wrong before there was one
-/// \throw Cancelled if Embree was told to stop; std::bad_alloc, std::runtime_error for what it
-/// could not do
+/// \param device null for errors before it existed
+/// \throw Cancelled if Embree was stopped; std::bad_alloc, std::runtime_error for other failures
 void check_error(RTCDevice device) {
   const RTCError error = rtcGetDeviceError(device);
   if (error == RTC_ERROR_CANCELLED) throw Cancelled();
-  // What one of its threads throws reaches others as a cancelled task, which is unknown to them.
+  // An exception in one of its threads reaches the others as an unknown, cancelled task.
   if (error == RTC_ERROR_OUT_OF_MEMORY || error == RTC_ERROR_UNKNOWN) throw std::bad_alloc();
   if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree could not take the surface");
 }
 
-/// Something of Embree's, given back at the end.
+/// Owns an object of Embree and releases it.
 template <typename T, void (*Release)(T)>
 class Handle {
  public:
-  /// \param device that made it; null for a device itself
+  /// \param device the device that created it; null for a device itself
   explicit Handle(T handle, RTCDevice device = nullptr) : handle_(handle) {
     if (handle_) return;
     check_error(device);
@@ -70,7 +69,7 @@ class Handle {
 }  // namespace
 
 struct Projector::Scene {
-  /// Some of the faces, which Embree sees around their own middle.
+  /// A part of the faces, which Embree sees relative to their center.
   struct Part {
     Part(const Scene& scene, std::vector<OrderedFace> faces, const Eigen::AlignedBox3d& box);
 
@@ -151,7 +150,7 @@ struct Query {
     return (factor * low.cwiseMax(high).cwiseMax(0.0)).squaredNorm() <= reach * reach;
   }
 
-  /// Radius within which Embree must still look.
+  /// Radius within which Embree must still search.
   [[nodiscard]] float radius() const { return search_radius(distance(), scale); }
   [[nodiscard]] double distance() const { return std::sqrt(squared_distance) / factor; }
 };
@@ -172,7 +171,7 @@ struct Gathering {
   const Surface* surface;
   const std::vector<OrderedFace>* faces;
   Vec3 point;
-  bool far;  // so far away that all of the surface is at one distance
+  bool far;  // so far away that the distance to all faces is equal
   double radius;
   std::vector<std::int32_t> found;  // the caller's indices
   std::exception_ptr error = nullptr;
@@ -201,15 +200,15 @@ bool gather(RTCPointQueryFunctionArguments* arguments) noexcept {
   return false;
 }
 
-/// What Embree's threads are given while they build its tree.
+/// Data for Embree's threads while they build its tree.
 struct Watch {
   const Context* context;
   Poll* poll = Poll::current();
   HandOver all = {};
 };
 
-/// Asks whether to go on, from any of Embree's threads. Exceptions must not pass through it, not
-/// even that there is no memory for one that says that it was cancelled.
+/// Checks for cancellation in any of Embree's threads. Exceptions must not pass through it, not
+/// even std::bad_alloc while creating the one for the cancellation.
 bool go_on(void* given, double) noexcept {
   Watch& watch = *static_cast<Watch*>(given);
   const HandOver::Part part(watch.all);
@@ -262,7 +261,7 @@ Eigen::AlignedBox3d box_of(const Surface& surface, OrderedFace face) {
   return box;
 }
 
-/// In the middle of the largest gap along an axis; NaN where there is none that large.
+/// The middle of the largest gap along an axis; NaN if no gap is large enough.
 double gap_along(const Surface& surface, std::span<const OrderedFace> faces, Eigen::Index axis,
                  double least) {
   std::vector<std::pair<double, double>> spans;
@@ -285,7 +284,7 @@ double gap_along(const Surface& surface, std::span<const OrderedFace> faces, Eig
 
 }  // namespace
 
-/// Into parts that are small enough to be seen in single precision, as far as there are gaps.
+/// Splits the surface at gaps into parts small enough for single precision.
 void Projector::Scene::split(std::vector<OrderedFace> some, const Context* context) {
   check_context(context);
   Eigen::AlignedBox3d around;
@@ -349,7 +348,7 @@ void Projector::Scene::Part::build(const Scene& scene, const Context* context) {
   check_error(scene.device.get());
 }
 
-/// A point so far away that it has no place in single precision gives way to one in its direction.
+/// Replaces a point too far away for single precision by one in its direction.
 Vec3 Projector::Scene::within_reach(const Vec3& p) const {
   const Vec3 way = p - center;
   const double most = way.cwiseAbs().maxCoeff();
@@ -373,7 +372,7 @@ std::vector<std::int32_t> vertices_of(const Surface& surface, std::span<const Or
   return result;
 }
 
-/// All vertices as they are, where it has all faces.
+/// All vertices unchanged, if the part has all faces.
 void Projector::Scene::Part::attach_triangles(const Scene& scene, const Context* context) {
   const OrderedSurface& mesh = scene.surface.ordered();
   const bool whole = faces.size() == scene.faces.size();
@@ -412,7 +411,7 @@ Projector& Projector::operator=(Projector&&) noexcept = default;
 
 namespace {
 
-/// Look for a nearer face in one part.
+/// Search for a nearer face in one part.
 template <typename Part>
 void look_in(const Part& part, Query& query) {
   query.faces = &part.faces;
@@ -424,7 +423,7 @@ void look_in(const Part& part, Query& query) {
   rtcPointQuery(part.handle.get(), &embree, &context, visit, &query);
 }
 
-/// In the part whose box is nearest first, and in others that may have something as near.
+/// Searches the part with the nearest box first, then others that may contain nearer faces.
 template <typename Parts>
 void look_everywhere(const Parts& parts, Query& query) {
   const auto nearer = [&](const auto& a, const auto& b) {
@@ -440,7 +439,7 @@ void look_everywhere(const Parts& parts, Query& query) {
       look_in(**part, query);
 }
 
-/// Any face will do to begin with, as long as Embree knows it.
+/// The search may begin with any face that Embree knows.
 template <typename Scene>
 OrderedFace first_guess(const Scene& scene, std::span<const std::int32_t> hints, std::size_t k) {
   if (hints.empty()) return scene.faces[0];
@@ -528,7 +527,7 @@ struct Hit {
   OrderedFace face;
 };
 
-/// Whether a ray comes to the box of a part, or nearly.
+/// Whether a ray hits the box of a part, within a margin.
 template <typename Part>
 bool meets_box(const Part& part, const Ray& ray, double length) {
   double first = 0.0, last = length;

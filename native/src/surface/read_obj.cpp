@@ -5,7 +5,7 @@
 namespace dapple {
 namespace {
 
-/// A line that ends with a backslash goes on in the next.
+/// A line that ends with a backslash continues in the next one.
 bool next_statement(Lines& lines) {
   const auto goes_on = [&] { return !lines.words.empty() && lines.words.back().back() == '\\'; };
   if (!lines.next()) return false;
@@ -27,7 +27,7 @@ std::int64_t obj_index(const Lines& lines, std::string_view word, std::size_t co
   return index > 0 ? index - 1 : static_cast<std::int64_t>(count) + index;
 }
 
-/// The part of v/vt/vn before the next slash, which goes with it.
+/// Takes the part of v/vt/vn up to the next slash.
 std::string_view next_part(std::string_view& word) {
   const std::size_t end = std::min(word.find('/'), word.size());
   const std::string_view part = word.substr(0, end);
@@ -97,7 +97,7 @@ class ObjReader {
     some = some || !word.empty();
   }
 
-  /// Indices are for nothing where no corner has one.
+  /// Indices are ignored if no corner has one.
   template <typename T>
   static void set_owner(Rows<T>& rows, bool some) {
     if (some && !rows.values.empty()) rows.owner = Owner::kCorners;

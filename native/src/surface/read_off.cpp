@@ -7,7 +7,7 @@ namespace {
 
 std::string text(std::size_t k) { return std::to_string(k); }
 
-/// What a file begins with: letters that say what follows the coordinates of a vertex.
+/// The first word of a file: letters tell which data follow the coordinates of a vertex.
 struct OffHeader {
   bool uv = false, colors = false, normals = false;
   std::size_t vertices = 0, polygons = 0;
@@ -25,10 +25,10 @@ bool is_count(std::string_view word) {
 }
 
 [[noreturn]] void refuse_start() {
-  throw ReadError("is no OFF file in text: it does not begin with OFF");
+  throw ReadError("is not an OFF text file: it does not begin with OFF");
 }
 
-/// The word OFF, which some leave out, and to which others join the first count.
+/// The word OFF, which some programs omit and others join with the first count.
 void take_keyword(Lines& lines, OffHeader& header) {
   std::string_view& word = lines.words[0];
   if (is_count(word)) return;
@@ -38,7 +38,7 @@ void take_keyword(Lines& lines, OffHeader& header) {
   if (!take(word, "off") || (!word.empty() && !is_count(word))) refuse_start();
   if (word.empty()) lines.words.erase(lines.words.begin());
   if (!lines.words.empty() && same_word(lines.words[0], "binary"))
-    throw ReadError("is OFF in binary: it is read in text only");
+    throw ReadError("is a binary OFF file: write it as text");
 }
 
 OffHeader read_off_header(Lines& lines) {
@@ -87,7 +87,7 @@ void keep_at_vertices(Rows<T>& rows, std::size_t vertices) {
 void read_polygon(const Lines& lines, std::vector<std::int64_t>& corners) {
   const auto size = lines.number_in<std::int64_t>(lines.words[0], "an index");
   if (size < 0 || static_cast<std::size_t>(size) >= lines.words.size())
-    lines.refuse("has " + text(lines.words.size() - 1) + " corners and says " +
+    lines.refuse("has " + text(lines.words.size() - 1) + " corners but declares " +
                  std::to_string(size));
   corners.clear();
   for (std::size_t k = 1; k <= static_cast<std::size_t>(size); ++k)

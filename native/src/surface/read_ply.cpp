@@ -37,7 +37,7 @@ std::size_t size_of(Number kind) {
 struct Property {
   std::string name;
   Number kind;
-  std::optional<Number> length = {};  // of a list: what its length is
+  std::optional<Number> length = {};  // of a list: the type of its length
 };
 
 struct Element {
@@ -69,7 +69,7 @@ const std::map<std::string_view, Number>& ply_numbers() {
   lines.refuse("of its header is wrong: " + quoted(lines.line));
 }
 
-/// Also as C and numpy call it: uint8_t, UInt8.
+/// Also accepts the names of C and numpy: uint8_t, UInt8.
 Number number_named(const Lines& lines, std::string_view name) {
   std::string small(name);
   for (char& c : small)
@@ -87,7 +87,7 @@ Form form_named(const Lines& lines, std::string_view name) {
   refuse_header(lines);
 }
 
-/// A line of the header that says something.
+/// A line of the header that is not a comment.
 void add_line(const Lines& lines, PlyHeader& header) {
   const auto& words = lines.words;
   if (words[0] == "format" && words.size() == 3) {
@@ -110,7 +110,7 @@ void add_line(const Lines& lines, PlyHeader& header) {
 
 PlyHeader read_header(Lines& lines) {
   if (!lines.next() || lines.number != 1 || lines.words[0] != "ply")
-    throw ReadError("is no PLY file: it does not begin with 'ply'");
+    throw ReadError("is not a PLY file: it does not begin with 'ply'");
   PlyHeader header;
   while (true) {
     if (!lines.next()) throw ReadError("its header has no end");
@@ -121,12 +121,12 @@ PlyHeader read_header(Lines& lines) {
   return header;
 }
 
-/// The numbers behind the header, one after the other.
+/// Reads the numbers after the header in sequence.
 class PlyBody {
  public:
   PlyBody(std::string_view bytes, Form form) : form_(form), left_(bytes), lines_(bytes) {}
 
-  /// What a number takes at least.
+  /// The smallest size of a number in bytes.
   [[nodiscard]] std::size_t least(Number kind) const {
     return form_ == Form::kText ? 1 : size_of(kind);
   }
@@ -144,7 +144,7 @@ class PlyBody {
     }
     double value = 0.0;
     if (!parse(lines_.words[next_], value))
-      throw ReadError("has " + quoted(lines_.words[next_]) + " for a number");
+      throw ReadError("has " + quoted(lines_.words[next_]) + " instead of a number");
     ++next_;
     return value;
   }
@@ -199,7 +199,7 @@ class PlyBody {
   std::size_t next_ = 0;  // word of the present line
 };
 
-/// What a number of a vertex or face is for.
+/// The meaning of a number of a vertex or face.
 struct Use {
   enum Kind { kOther, kPlace, kNormal, kUv, kColor } kind = kOther;
   std::size_t axis = 0;
@@ -235,13 +235,13 @@ Use use_named(const std::string& name) {
   return found == kUses.end() ? Use() : found->second;
 }
 
-/// What a color of this type is divided by; one of a float has its range found later.
+/// The divisor of colors of this type; the range of floats is determined later.
 double full(Number kind) {
   if (kind == Number::kFloat || kind == Number::kDouble) return 1.0;
   return kind == Number::kUint16 ? 65535.0 : 255.0;
 }
 
-/// The scalar properties of an element, sorted by what they are for.
+/// The scalar properties of an element, sorted by meaning.
 class RowReader {
  public:
   RowReader(const Element& element, bool is_face, bool by_name = false) {
@@ -260,7 +260,7 @@ class RowReader {
     }
   }
 
-  /// Whether all of its numbers are there.
+  /// Whether all of its numbers exist.
   [[nodiscard]] bool has(Use::Kind kind) const {
     if (kind == Use::kOther) return true;
     return (axes_[kind] & (kind == Use::kUv ? 3u : 7u)) == (kind == Use::kUv ? 3u : 7u);
@@ -398,7 +398,7 @@ class PlyReader {
     }
   }
 
-  /// Triangles of each three vertices in a row, every second one turned; -1 begins anew.
+  /// Triangles of each three vertices in a row, every second one reversed; -1 starts a new strip.
   void add_strip() {
     std::size_t start = 0;
     for (std::size_t k = 0; k < corners_.size(); ++k) {
@@ -443,7 +443,7 @@ class PlyReader {
 
   static std::int64_t whole(double value) {
     if (!(std::abs(value) < 0x1p53) || value != std::floor(value))
-      throw ReadError("has " + std::to_string(value) + " for an index");
+      throw ReadError("has " + std::to_string(value) + " as an index");
     return static_cast<std::int64_t>(value);
   }
 
@@ -489,7 +489,7 @@ std::vector<MeshAttribute> columns_of(std::string_view bytes) {
   throw ReadError("has no element 'vertex'");
 }
 
-/// What is behind the header of a binary file, whose bytes are no lines.
+/// The data after the header of a binary file.
 std::size_t end_of_header(std::string_view bytes) {
   constexpr std::string_view kEnd = "\rend_header\r";
   const std::size_t found = bytes.find(kEnd);

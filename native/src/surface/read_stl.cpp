@@ -12,7 +12,7 @@ namespace {
 
 std::string text(std::size_t k) { return std::to_string(k); }
 
-/// The bits of a place, so that what is no number is equal to itself; 0 and -0 are one place.
+/// The bits of a position, so that NaN equals itself; 0 and -0 are one position.
 struct PlaceKey {
   explicit PlaceKey(const Vec3& p)
       : bits{std::bit_cast<std::uint64_t>(p.x() + 0.0), std::bit_cast<std::uint64_t>(p.y() + 0.0),
@@ -51,7 +51,7 @@ class Places {
 constexpr std::size_t kHeader = 84, kTriangle = 50, kNormal = 12;
 constexpr std::size_t kUnknown = 0xffffffff;  // written before the triangles are counted
 
-/// The number of triangles that a binary file says it has.
+/// The number of triangles that a binary file declares.
 std::size_t promised(std::string_view bytes) {
   std::size_t count = 0;
   for (std::size_t k = 0; k < 4; ++k)
@@ -69,19 +69,19 @@ bool begins_solid(std::string_view text) {
   return same_word(text.substr(0, 5), "solid");
 }
 
-/// The number of triangles of a binary file. Programs that write triangles as they come leave
-/// another number in its place, so the size decides where it fits whole triangles.
+/// The number of triangles of a binary file. Programs that write triangles as a stream leave a
+/// wrong count, so the size decides if it fits whole triangles.
 std::size_t held(std::string_view bytes) {
   if (bytes.size() < kHeader)
     throw ReadError(
-        "is no STL file: it neither begins with 'solid' nor has the size of as many triangles as "
-        "it says");
+        "is not an STL file: it neither begins with 'solid' nor has the size of the triangles that "
+        "it declares");
   const std::size_t count = promised(bytes), there = (bytes.size() - kHeader) / kTriangle;
   const bool whole = (bytes.size() - kHeader) % kTriangle == 0;
   if (whole && (there > count || count == kUnknown)) return there;
   if (there == count) return count;  // and less than a triangle behind them
-  throw ReadError("is no STL file, or not all of it: it says that it has " + text(count) +
-                  " triangles, and has room for " + text(there));
+  throw ReadError("is not an STL file, or is cut off: it declares " + text(count) +
+                  " triangles and has room for " + text(there));
 }
 
 /// Three numbers of single precision, little-endian.
@@ -124,7 +124,7 @@ void read_text(std::string_view bytes, Places& places, MeshBuilder& mesh) {
   if (!corners.empty()) throw ReadError("ends within a loop");
 }
 
-/// Whether it has the words of a text, also where a binary header begins with 'solid'.
+/// Whether it is text; a binary header may also begin with 'solid'.
 bool is_text(std::string_view bytes) {
   return begins_solid(bytes) && bytes.substr(0, 400).find('\0') == bytes.npos;
 }

@@ -18,7 +18,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kThin = 0.5;       // spacings: thicker walls let hardly any cell through
+constexpr double kThin = 0.5;       // spacings: cells hardly reach through thicker walls
 constexpr double kOpposite = -0.8;  // cosine between the normals of a wall's two sides
 constexpr double kWide = 0.5;       // spacings: narrower bodies are wires and ribbons
 constexpr double kNarrowRim = 0.3;  // spacings: too narrow for sites of its own
@@ -58,8 +58,8 @@ Laid lay_points(const Surface& surface, double count) {
   return result;
 }
 
-/// Whether there is a place with a point of another direction behind it. Quick, and never false
-/// where a wall has sides of some cells.
+/// Whether any point has a point of opposite direction behind it. Quick, and never false if a wall
+/// has sides of several cells.
 bool may_have_walls(const Surface& surface, double spacing, double cells) {
   const double count = std::min(kPoints * cells, kMostPoints);
   const Laid laid = lay_points(surface, count);
@@ -141,7 +141,7 @@ class Sides {
     }
   }
 
-  /// Sets of faces that hang together over edges where `joins(face, neighbor)`.
+  /// Sets of faces connected over edges for which `joins(face, neighbor)` holds.
   template <typename Joins>
   [[nodiscard]] Sets joined(const Joins& joins) const {
     Sets sets(behind_.size());
@@ -153,7 +153,7 @@ class Sides {
     return sets;
   }
 
-  /// Parts of walls that hang together, without turning back at a sharp rim.
+  /// Connected parts of walls, without turning back at a sharp rim.
   void label_walls() {
     Sets sets = joined([this](std::size_t f, std::size_t other) {
       return behind_[f] != kNone && behind_[other] != kNone &&
@@ -202,7 +202,7 @@ class Sides {
     }
   }
 
-  /// What is narrow between walls belongs to the nearer one, by faces.
+  /// Assigns narrow parts between walls to the nearer wall, by number of faces.
   void label_rims() {
     Sets sets = joined([this](std::size_t f, std::size_t other) {
       return label_[f] == kNone && label_[other] == kNone;
@@ -252,8 +252,8 @@ class Sides {
     return result;
   }
 
-  /// Components where opposite sides do not hang together; as they were where they do anyway, over
-  /// what is no wall, or where a side would have few cells.
+  /// Components in which opposite sides are not connected. A component is unchanged if its sides
+  /// are connected over other parts than walls, or if a side would have few cells.
   std::vector<std::int32_t> divided(double cells) {
     const std::set<Pair> pairs = opposite_pairs();
     const auto parts = [&](std::size_t f, std::size_t other) {
@@ -276,7 +276,7 @@ class Sides {
     return result;
   }
 
-  /// Per component of the surface, whether it stays one.
+  /// Per component of the surface, whether it stays unsplit.
   std::vector<bool> undivided(Sets& sets, const std::set<Pair>& pairs, double cells) {
     std::vector<bool> whole(static_cast<std::size_t>(mesh_.components()), false);
     const auto body = [&](std::int32_t f) {

@@ -28,7 +28,7 @@ double largest_density(const OrderedSurface& surface) {
 }
 
 constexpr std::size_t kGrain = 4096;  // faces a chunk
-constexpr double kConnected = 0.85;   // of the progress: only the faces are left to be measured
+constexpr double kConnected = 0.85;   // share of the progress before the faces are measured
 
 void check_sizes(std::size_t vertices, std::size_t faces) {
   if (faces > kMostSurfaceFaces)
@@ -39,7 +39,7 @@ void check_sizes(std::size_t vertices, std::size_t faces) {
                        std::to_string(kMostVertices) + " are possible");
 }
 
-/// How many values a density has, and how the message says so.
+/// The number of values of a density, and its description in messages.
 struct DensityRule {
   std::size_t count;
   const char* where;
@@ -101,7 +101,7 @@ std::shared_ptr<const OrderedSurface> shaded_by_angle(const OrderedSurface& plai
   return std::make_shared<const OrderedSurface>(plain.shaded(shading_by_angle(plain, degrees)));
 }
 
-/// Of unit length; zero stays.
+/// Normalizes; zero stays zero.
 std::vector<Vec3> unit_normals(std::span<const Vec3> corners) {
   std::vector<Vec3> result(corners.begin(), corners.end());
   for_each_vector(result.size(), [&](std::size_t k) { result[k].stableNormalize(); });

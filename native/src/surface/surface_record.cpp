@@ -23,7 +23,7 @@ void check_indices(const char* name, std::span<const std::int32_t> indices, std:
                           ": it must be in 0.." + std::to_string(count) + " - 1");
 }
 
-/// Each index once: then a walk from one to the next comes back to where it began.
+/// Checks that each index occurs once, so that every walk along the ring returns to its start.
 void check_permutation(const char* name, std::span<const std::int32_t> indices, std::size_t count) {
   check_length(name, indices.size(), count);
   check_indices(name, indices, count);
@@ -31,7 +31,7 @@ void check_permutation(const char* name, std::span<const std::int32_t> indices, 
   for (std::size_t k = 0; k < count; ++k) {
     if (seen[static_cast<std::size_t>(indices[k])])
       throw ArgumentError(entry(name, k) + " is " + std::to_string(indices[k]) +
-                          ", as one before it: they must differ");
+                          ", like an earlier entry: they must differ");
     seen[static_cast<std::size_t>(indices[k])] = true;
   }
 }
@@ -49,7 +49,7 @@ std::vector<DoubledFace> doubled_of(const MeshRecord& record) {
                       {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b),
                        static_cast<std::uint8_t>(c)}});
     if (k > 0 && !(result[k - 1].face < result[k].face))
-      throw ArgumentError(entry("doubled", k) + " is not behind the one before it");
+      throw ArgumentError(entry("doubled", k) + " is out of order");
   }
   return result;
 }

@@ -33,7 +33,7 @@ bool count_edges(const Surface& surface, Topology& result) {
   return consistent;
 }
 
-/// False if a face does not fit: a complex edge or vertex, or neighbors turned against each other.
+/// False if a face does not fit: a non-manifold edge or vertex, or opposite orientations.
 bool build(const Surface& surface, HalfEdgeMesh& mesh) {
   std::vector<HalfEdgeMesh::VertexHandle> handles(surface.vertex_count());
   const auto handle = [&](std::int32_t v) {

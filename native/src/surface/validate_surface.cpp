@@ -11,7 +11,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kFarthestUv = 1e6;     // beyond that pixels lose their digits
+constexpr double kFarthestUv = 1e6;     // larger values lose the digits of pixels
 constexpr double kSumTolerance = 1e-4;  // single-precision storage stays far below this
 constexpr double kElsewhere = 1e-6;     // of the surface's size: farther is no rounding ...
 constexpr double kCoordinates = 1e-12;  // ... nor is this much of the coordinates
@@ -28,7 +28,7 @@ void check_barycentric(const std::string& name, std::span<const Vec3> rows) {
   }
 }
 
-/// A site that is not where its barycentric coordinates say.
+/// A site whose position does not match its barycentric coordinates.
 struct Elsewhere {
   std::size_t site;
   double distance;
@@ -79,9 +79,10 @@ void check_bound_sites(const std::string& owner, std::span<const Surface* const>
   const std::optional<Elsewhere> found = first_elsewhere(*frames.front(), sites);
   const auto fits = [&](const Surface* frame) { return !first_elsewhere(*frame, sites); };
   if (found && std::ranges::none_of(frames.subspan(1), fits))
-    throw ArgumentError(entry(positions.c_str(), found->site) + " is " + number(found->distance) +
-                        " away from where its face and barycentric coordinates are: it is of "
-                        "another surface");
+    throw ArgumentError(
+        entry(positions.c_str(), found->site) + " is " + number(found->distance) +
+        " away from the point of its face and barycentric coordinates: it belongs to "
+        "another surface");
 }
 
 void check_hints(const Surface& surface, std::span<const Vec3> points,

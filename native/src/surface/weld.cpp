@@ -21,16 +21,16 @@ namespace {
 constexpr double kTouching = 1e-3;  // radians between faces that lie on each other
 constexpr double kFlat = 1e-9;      // height of a face over its side: it has no angle
 
-// Of the progress.
+// Share of the progress.
 constexpr double kBordersSettled = 0.35, kSettled = 0.4, kSidesFound = 0.7;
 
 std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-/// A half-edge and what lies around its edge, seen along the edge from its lower place.
+/// A half-edge, seen along its edge from the lower position.
 struct Side {
   std::int32_t low, high;  // places
   std::int32_t half_edge;
-  bool forwards;       // from the lower place to the higher
+  bool forward;        // from the lower place to the higher
   bool border;         // no other face shares its vertices
   double angle = 0.0;  // of its face about the edge; not a number for a face without area
   auto operator<=>(const Side& other) const {
@@ -142,7 +142,7 @@ class Welder {
     return sides;
   }
 
-  /// Connect what meets at one edge.
+  /// Connect the faces that meet at one edge.
   void connect(std::span<Side> sides) {
     const auto borders = std::count_if(sides.begin(), sides.end(), std::mem_fn(&Side::border));
     if (borders == 0 || sides.size() < 2) return;
@@ -168,14 +168,14 @@ class Welder {
   }
 
   /// Pair the sides that bound the same material: each wedge of it lies between two faces that
-  /// turn their backs to it. False, and nothing is done, where the faces are not turned that way.
+  /// turn their backs to it. Returns false and changes nothing if the faces are oriented otherwise.
   bool connect_walls(std::span<const Side> sides) {
     std::vector<Side> around = in_turn(sides);
     const std::optional<std::size_t> first = first_wedge(around);
     if (!first) return false;
     std::rotate(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(*first), around.end());
     std::vector<Side> opened, closed;
-    for (const Side& side : around) (side.forwards ? closed : opened).push_back(side);
+    for (const Side& side : around) (side.forward ? closed : opened).push_back(side);
     for (std::size_t k = 0; k < opened.size(); ++k)
       if (touch(opened[k], closed[k])) return false;
     for (std::size_t k = 0; k < opened.size(); ++k) make_ring(std::array{opened[k], closed[k]});
@@ -193,17 +193,17 @@ class Welder {
     for (std::size_t k = 1; k < around.size(); ++k)
       if (around[k].angle - around[k - 1].angle <= kTouching) around[k].angle = around[k - 1].angle;
     std::stable_sort(around.begin(), around.end(), [](const Side& a, const Side& b) {
-      return a.angle != b.angle ? a.angle < b.angle : a.forwards && !b.forwards;
+      return a.angle != b.angle ? a.angle < b.angle : a.forward && !b.forward;
     });
     return around;
   }
 
-  /// Where to begin so that no wedge ends before it began; none if their ends do not match.
+  /// The start for which no wedge ends before it begins; none if the ends do not match.
   static std::optional<std::size_t> first_wedge(std::span<const Side> around) {
     std::ptrdiff_t depth = 0, least = 0;
     std::size_t first = 0;
     for (std::size_t k = 0; k < around.size(); ++k) {
-      depth += around[k].forwards ? -1 : 1;
+      depth += around[k].forward ? -1 : 1;
       if (depth < least) {
         least = depth;
         first = k + 1;
@@ -235,7 +235,7 @@ class Welder {
     for (std::size_t k = 0; k < sides.size(); ++k) {
       const std::int32_t a = sides[k].half_edge, b = sides[(k + 1) % sides.size()].half_edge;
       next_around_[as_size(a)] = b;
-      const bool same = sides[k].forwards == sides[(k + 1) % sides.size()].forwards;
+      const bool same = sides[k].forward == sides[(k + 1) % sides.size()].forward;
       unite(start(a), same ? start(b) : end(b));
       unite(end(a), same ? end(b) : start(b));
     }

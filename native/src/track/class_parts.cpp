@@ -14,7 +14,7 @@ struct Row {
   std::size_t index;
 };
 
-/// The samples in their order: where they were, or after all of those.
+/// The samples in their order: at their previous index, or after all of those.
 std::vector<Row> in_order(const Samples& before, std::span<const Samples> parts) {
   std::map<std::int32_t, std::size_t> place;
   for (std::size_t k = 0; k < before.size(); ++k) place.emplace(before.ids[k], k);

@@ -22,12 +22,13 @@
 namespace dapple {
 namespace {
 
-constexpr double kThin = 0.05;  // of the largest density: as little as a spacing is known for
-constexpr double kMovingVariation = 0.02, kMovingAlpha = 0.5;  // even enough where it moves
-constexpr int kRounds = 3;                                     // of the search, where discs overlap
-constexpr double kHarder = 10.0;  // by how much the weight of discs that still overlap grows
+constexpr double kThin = 0.05;  // of the largest density: lower values have no defined spacing
+constexpr double kMovingVariation = 0.02,
+                 kMovingAlpha = 0.5;            // sufficient evenness if the density moves
+constexpr int kRounds = 3;                      // of the search, where discs overlap
+constexpr double kHarder = 10.0;                // factor of the weight of discs that still overlap
 constexpr double kRoomy = 1.7, kCrowded = 0.4;  // of the mean capacity: one more fits, or one less
-constexpr double kPiled = 0.6;  // of a spacing: nearer to another, a site is in a pile
+constexpr double kPiled = 0.6;  // of a spacing: sites closer to each other are crowded
 
 /// The samples of each class; all of them one class if none is given.
 std::vector<SampleClass> counted(std::vector<SampleClass> classes,
@@ -59,7 +60,7 @@ bool overlaps_more(const Evaluation& state, const Evaluation& than) {
   return worst_overlap(state.discs) > worst_overlap(than.discs);
 }
 
-/// What is minimized on one frame, over domains that it owns.
+/// The energy of one frame, over domains that it owns.
 struct Frame {
   Frame(const Surface& surface, std::vector<SampleClass> members,
         const std::vector<std::int32_t>& class_of, const TrackerOptions& options,
@@ -72,7 +73,7 @@ struct Frame {
     objective.holds_discs = !objective.discs.empty();
   }
 
-  /// The search for even sites, in which discs stay apart as far as there is room.
+  /// The optimization of the sites, in which discs stay apart as far as possible.
   [[nodiscard]] Minimum search(const Sites& start, const OptimizerOptions& options,
                                const Tracked& tracked, Context* context) {
     if (!objective.holds_discs) return minimize(objective, start, options, context, tracked);
@@ -99,14 +100,14 @@ struct Frame {
   Objective objective;
 };
 
-/// Where the search of a frame begins, and where its sites are held.
+/// The start of a frame's optimization, and the positions that hold its sites.
 struct Beginning {
   Sites start;
   std::optional<Sites> home;                 // none: where the search begins
   std::vector<std::int32_t> elsewhere = {};  // sites that begin far from where they were
 };
 
-/// The spacing around each of so many sites, as their density asks for; no more than where it is a
+/// The spacing at each of so many sites by their density; at most the spacing where it is a
 /// share of the largest one.
 std::vector<double> spacings_at(const Surface& surface, const Sites& sites) {
   const std::vector<double> all = surface.density();
@@ -121,8 +122,8 @@ std::vector<double> spacings_at(const Surface& surface, const Sites& sites) {
   return result;
 }
 
-/// How many sites are too many where they are: those that were led far to the border of the
-/// density, and one of two that are too near to each other.
+/// The number of surplus sites: those moved far to the border of the density, and one of two that
+/// are too close to each other.
 std::size_t count_piled(const Surface& own, const Sites& before, const Sites& now) {
   const std::vector<double> spacings = spacings_at(own, now);
   const Neighbors tree(now.positions);
@@ -140,8 +141,8 @@ std::size_t count_piled(const Surface& own, const Sites& before, const Sites& no
   return std::max(far, (near + 1) / 2);
 }
 
-/// Whether there is room for another site somewhere, or one too many. Where other faces only stand
-/// for the same shape, sites stay where they are: one that is led elsewhere hops.
+/// Whether one more site fits somewhere, or one is surplus. If new faces represent the same shape,
+/// sites stay in place, because moving one elsewhere makes it hop.
 bool is_unfilled(const Domain& domain, const Sites& sites, Context* context) {
   const RestrictedVoronoi diagram = domain.cells(sites, context);
   const double mean =
@@ -151,8 +152,8 @@ bool is_unfilled(const Domain& domain, const Sites& sites, Context* context) {
   });
 }
 
-/// Sites that a moving density pushes pile up at its border: as many as do go where there is room.
-/// On other faces there may be room anywhere, and as many go as are too many where they are.
+/// Sites pushed by a moving density crowd at its border: the surplus moves to free areas. On new
+/// faces free areas may be anywhere.
 /// Returns which.
 std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
                                  std::span<const std::int32_t> mine, const Sites& before,
@@ -171,9 +172,9 @@ std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
   return moved;
 }
 
-/// Sites that are where their class has no density begin, and are held, at the nearest place that
-/// has some: max_slide would leave them there.
-/// \param moved what is another than on the last frame
+/// Sites where their class has no density start, and are held, at the nearest point with density;
+/// otherwise max_slide would keep them there.
+/// \param moved the difference from the last frame
 Beginning on_density(const Surface& surface, const Frame& frame,
                      std::span<const std::int32_t> class_of, const Sites& start, const Sites* home,
                      Moved moved, Context* context) {
@@ -204,7 +205,7 @@ Beginning on_density(const Surface& surface, const Frame& frame,
   return result;
 }
 
-/// A needle has no area, however far it takes the samples on it.
+/// A triangle without area may still carry its samples far away.
 void check_extent(const Surface& surface, const Sites& sites) {
   for (std::size_t k = 0; k < sites.size(); ++k) {
     const double far = (sites.positions[k] - sites.positions[0]).norm();
@@ -275,7 +276,7 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples, Tracker
   restoration_.overlap = std::max(restoration_.overlap, worst_overlap(state.discs));
   memory_ = PatternMemory(state.diagram());
   first.energies = {target_energy_};
-  first.converged = !has_empty_cell(frame.objective, state);  // no frame has to be more even
+  first.converged = !has_empty_cell(frame.objective, state);  // no frame needs to be more even
   first_report_ = to_report(frame.objective, first, classes_.size(), samples.normals);
 }
 
@@ -317,7 +318,7 @@ Restoration FrameSolver::restoration(Moved moved, const Domain& all, const Sites
 
 OptimizerOptions FrameSolver::aims() const {
   OptimizerOptions options = options_.optimizer;
-  if (options.method == Method::kLineSearch)  // which knows no restoration
+  if (options.method == Method::kLineSearch)  // it has no restoration
     options.target_energy = std::max(options.target_energy, target_energy_ + kAsEven);
   return options;
 }
@@ -354,7 +355,7 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
   return {std::move(found.state.sites), found.evaluations};
 }
 
-/// The same aims for other samples, about which nothing is remembered.
+/// The same targets for other samples, without a remembered pattern.
 FrameSolver FrameSolver::with(const Samples& now) const {
   FrameSolver result = *this;
   result.ids_ = now.ids;
@@ -378,8 +379,8 @@ FrameSolver FrameSolver::on_ground(const Surface& surface, const Samples& now, S
                                    std::vector<SampleClass> classes, Context* context) const {
   FrameSolver result = *this;
   result.classes_ = counted(std::move(classes), now.classes);
-  check_same_length("classes", result.classes_.size(), "those of before", classes_.size());
-  if (!sides_ || *sides_)  // a body without walls has none later either
+  check_same_length("classes", result.classes_.size(), "the previous ones", classes_.size());
+  if (!sides_ || *sides_)  // a body without walls stays without walls
     result.sides_ = sides_for(surface, now.size(), options_.cells, context);
   result.first_ = std::move(first);
   return result;

@@ -12,7 +12,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kSmall = 0.05;  // no mirrored body comes so near
+constexpr double kSmall = 0.05;  // mirrored bodies have larger values
 
 bool same_bytes(const Vec3& a, const Vec3& b) {
   return std::ranges::equal(std::as_bytes(std::span(a.data(), 3)),
@@ -83,7 +83,7 @@ std::vector<bool> of_faces(std::span<const Face> faces, std::size_t count) {
   return result;
 }
 
-/// Vertices that do not move, being of no face, have their own place for a target.
+/// Vertices without a face keep their position as target.
 Motion aligned(std::span<const Vec3> before, std::span<const Vec3> after,
                const std::vector<bool>& moves, std::span<const std::int32_t> measured) {
   Motion motion;

@@ -12,10 +12,11 @@
 namespace dapple {
 namespace {
 
-constexpr double kRebuilt = 0.5;   // misfit, in distances to neighbors, from where memory ends
+constexpr double kRebuilt =
+    0.5;  // misfit, in distances to neighbors, beyond which the pattern is forgotten
 constexpr double kPace = 3.0;      // longest move, in changes of the distances to the neighbors
 constexpr std::size_t kLeast = 4;  // neighbors: three determine an affine map, without a misfit
-constexpr double kInLine = 1e-12;  // determinant of offsets that have no width, of their square
+constexpr double kInLine = 1e-12;  // relative determinant of collinear offsets
 constexpr std::size_t kGrain = 256;
 
 /// The best affine map of planar offsets to others, as far as recall needs it.

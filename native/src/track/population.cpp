@@ -20,18 +20,18 @@
 namespace dapple {
 namespace {
 
-// Of one sample: the surface must ask for that much more than the nearest whole number before the
-// number changes, or a breathing body would let the same one come and go.
+// In samples: the number changes only if the wanted one differs by that much from an integer.
+// Otherwise the same sample of a breathing body would appear and vanish repeatedly.
 constexpr double kReluctance = 0.75;
 constexpr double kResized =
     0.8;  // of the progress of a frame: samples of all classes came and went
-constexpr double kAlike = 0.0025;  // of the area: so far meshes of one shape may differ
-// Of the progress of a frame of other faces: places are found, samples have come and gone.
+constexpr double kAlike = 0.0025;  // of the area: meshes of one shape may differ by so much
+// Progress of a frame with other faces: places are found, births and deaths are done.
 constexpr double kFound = 0.1, kBegun = 0.4;
 
 void check_wanted(double wanted, std::size_t now) {
   if (!(wanted <= static_cast<double>(kMostSamples)))
-    throw ArgumentError("vertices span a surface that asks for " + number(wanted) +
+    throw ArgumentError("vertices span a surface that needs " + number(wanted) +
                         " samples instead of " + std::to_string(now) + ": at most " +
                         std::to_string(kMostSamples) + " are possible");
 }
@@ -77,13 +77,13 @@ std::size_t Population::count_of(const Samples& samples, std::size_t kind) const
       std::count(samples.classes.begin(), samples.classes.end(), static_cast<std::int32_t>(kind)));
 }
 
-/// Where the tracker is, with the density of a class.
+/// The tracker's surface, with the density of a class.
 Surface Population::surface_of(const Tracker& tracker, std::size_t kind) const {
   const std::optional<Surface>& own = kinds_[kind].surface;
   return own ? own->deformed(tracker.surface().vertices()) : tracker.surface();
 }
 
-/// How many samples of a class the surface asks for.
+/// The number of samples of a class that the surface needs.
 std::size_t Population::wanted(const Tracker& tracker, std::size_t kind) const {
   return whole_count(kinds_[kind].density * surface_of(tracker, kind).capacity(),
                      count_of(tracker.samples(), kind));
@@ -100,7 +100,7 @@ bool Population::rests_at(std::span<const Vec3> vertices) const {
   return true;
 }
 
-/// The tracker's samples, more or fewer where the surface has grown or shrunk.
+/// The tracker's samples, with births and deaths where the surface has grown or shrunk.
 Samples Population::resized(const Tracker& tracker, Context* context) const {
   if (kinds_.size() == 1) return resized(tracker, 0, next_id_, context);
   std::vector<Samples> parts;
@@ -170,7 +170,7 @@ const Samples& Population::advance(std::span<const Vec3> vertices, Context* cont
   std::vector<Fading> gone = vanishing(before, after);
   if (after.ids != before.ids) {
     tracker.exchange(after);
-    // Classes come and go by themselves; only the tracker knows how even all of them are together.
+    // Births and deaths are per class; only the tracker knows the evenness of the union.
     if (kinds_.size() > 1) tracker.advance(vertices, evening.context());
   }
   take(std::move(tracker), std::move(gone));
@@ -205,12 +205,12 @@ const Samples& Population::advance(const Surface& next, Context* context) {
 void Population::check_one_kind() const {
   if (kinds_.size() > 1 || kinds_[0].surface)
     throw ArgumentError(
-        "the surface has other faces than before: only samples without classes can "
-        "go on there, these have " +
+        "the surface has other faces than the last one: only samples without classes can "
+        "continue there, these have " +
         std::to_string(kinds_.size()));
 }
 
-/// The next frame, on a surface of other faces.
+/// The next frame, on a surface with other faces.
 Population::Crossing Population::cross(const Surface& next, Context* context) const {
   const Samples& last = tracker_.samples();
   const auto now = static_cast<double>(last.size());

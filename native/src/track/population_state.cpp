@@ -43,7 +43,7 @@ void check_ids(const Samples& samples, std::int64_t next_id) {
                         std::to_string(kAboveAllIds));
 }
 
-/// Of which vertices the faces are.
+/// A digest of the vertex indices of the faces.
 std::int64_t faces_digest(const Surface& surface) {
   std::uint64_t digest = 0xcbf29ce484222325u;  // FNV-1a, by whole numbers
   const auto add = [&](std::uint64_t value) { digest = (digest ^ value) * 0x100000001b3u; };
@@ -58,11 +58,11 @@ std::int64_t faces_digest(const Surface& surface) {
 
 void check_faces(const Surface& surface, std::int64_t digest) {
   if (digest != 0 && digest != faces_digest(surface))
-    throw ArgumentError("state is of a frame with other faces than the surface's " +
+    throw ArgumentError("state belongs to a frame with other faces than the surface's " +
                         std::to_string(surface.face_count()));
 }
 
-/// Where samples of a surface were on the first frame.
+/// The positions of samples on the first frame.
 Sites first_sites(const Surface& surface, const PopulationState& state) {
   try {
     return sites_of(bind_samples(surface, state.first_faces, state.first_barycentric));
@@ -71,7 +71,7 @@ Sites first_sites(const Surface& surface, const PopulationState& state) {
   }
 }
 
-/// The first so many, on a surface.
+/// The first samples, up to a number, on a surface.
 Samples first_of(const Surface& surface, const Samples& samples, std::size_t count) {
   return bind_samples(surface, std::span(samples.faces).first(count),
                       std::span(samples.barycentric).first(count),

@@ -34,9 +34,9 @@ class Window {
       : start_(start), begin_(begin), frames_(frames), closing_(closing), context_(context) {}
 
   std::vector<Samples> solve(std::span<const Samples> known) {
-    const std::size_t closing = closing_ ? 2 : 0;  // the pass backwards, and the way over to it
+    const std::size_t closing = closing_ ? 2 : 0;  // the pass backward, and the blend into it
     const auto sweeps = static_cast<std::size_t>(start_.options.sweeps);
-    steps_ = frames_.size() * (1 + closing + sweeps);  // a known frame is taken over, not tracked
+    steps_ = frames_.size() * (1 + closing + sweeps);  // a known frame is copied, not tracked
     samples_ = onward(known);
     const auto ahead = static_cast<std::ptrdiff_t>(known.size()) + 1;
     const std::vector<Samples> before(samples_.begin(), samples_.begin() + ahead);
@@ -56,7 +56,7 @@ class Window {
   }
   [[nodiscard]] std::size_t count() const { return frames_.size() + 1; }
 
-  /// A tracker's samples on every frame, from the one before them; those that are known stay.
+  /// A tracker's samples on every frame, starting from the previous one; known frames are kept.
   std::vector<Samples> onward(std::span<const Samples> known) {
     Tracker tracker = begin_;
     if (!known.empty()) tracker.resume(frames_[known.size() - 1], known.back(), false);
@@ -71,46 +71,46 @@ class Window {
     return result;
   }
 
-  /// A tracker's samples on every frame but the first so many, or, around a loop, backwards.
-  std::vector<Samples> pass(Tracker tracker, bool forwards, std::size_t without = 0) {
+  /// A tracker's samples on all but the first frames or, around a loop, backward.
+  std::vector<Samples> pass(Tracker tracker, bool forward, std::size_t without = 0) {
     std::vector<Samples> result(count());
     result[0] = tracker.samples();
     for (std::size_t k = without + 1; k < count(); ++k) {
-      const std::size_t t = forwards ? k : count() - k;
+      const std::size_t t = forward ? k : count() - k;
       Stretch step = next_step();
       result[t] = tracker.advance(frames_[t - 1], step.context());
     }
     return result;
   }
 
-  // From the pass forwards, which has the first frame's samples at its beginning, over to the one
-  // backwards, which has them at its end.
-  void close(const std::vector<Samples>& backwards) {
+  // Blends from the forward pass, which begins with the first frame's samples, into the backward
+  // pass, which ends with them.
+  void close(const std::vector<Samples>& backward) {
     for (std::size_t t = 1; t < count(); ++t)
-      draw(t, backwards[t].positions,
+      draw(t, backward[t].positions,
            smoothstep(static_cast<double>(t) / static_cast<double>(count())));
   }
 
-  // From the frames as they were known, over to those that were found.
+  // Blends from the known frames into the new ones.
   void take_over(std::span<const Samples> known) {
     const auto length = static_cast<double>(known.size());
     for (std::size_t t = 1; t < known.size(); ++t)
       draw(t, known[t].positions, 1.0 - smoothstep(static_cast<double>(t) / length));
   }
 
-  /// A share of the way to where the samples of a frame might be as well.
+  /// Move a frame's samples by a share toward alternative positions.
   void draw(std::size_t t, const Vectors& to, double share) {
     Vectors moves = difference(to, samples_[t].positions);
     for (Vec3& move : moves) move *= share;
     settle(t, surface(t), moves);
   }
 
-  void sweep(bool forwards) {
+  void sweep(bool forward) {
     const std::size_t last = count() - 1;
-    for (std::size_t k = 1; k <= last; ++k) smooth(forwards ? k : last + 1 - k);
+    for (std::size_t k = 1; k <= last; ++k) smooth(forward ? k : last + 1 - k);
   }
 
-  /// To the middle between the frames before and after.
+  /// Move to the middle between the previous and the next frame.
   void smooth(std::size_t t) {
     const Surface& here = surface(t);
     const Sites before = carried(here, sites_of(samples_[t - 1]));
@@ -123,7 +123,7 @@ class Window {
     settle(t, here, moves);
   }
 
-  /// A frame whose samples stay where they are if nobody moves them.
+  /// A frame whose samples are not moved by its surface.
   struct Rest {
     Surface surface;
     Samples samples;
@@ -133,7 +133,7 @@ class Window {
     return has_vertices(rest.surface, frames_[t - 1]) && same_places(samples_[t], rest.samples);
   }
 
-  /// Move the samples of a frame, and restore it as near to that as can be.
+  /// Move the samples of a frame and restore its evenness close to these positions.
   void settle(std::size_t t, const Surface& here, const Vectors& moves) {
     Stretch step = next_step();
     TimedCall call(step.context());

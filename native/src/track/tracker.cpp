@@ -19,13 +19,14 @@
 namespace dapple {
 namespace {
 
-constexpr int kMostParts = 16;      // of a frame
-constexpr double kStill = 1e-9;     // motion that rounding alone makes, relative to the size
-constexpr double kBound = 0.2;      // of the progress of a new tracker: the samples are bound ...
+constexpr int kMostParts = 16;   // of a frame
+constexpr double kStill = 1e-9;  // motion due to rounding, relative to the size
+constexpr double kBound =
+    0.2;  // share of the progress of a new tracker when the samples are bound ...
 constexpr double kEvaluated = 0.9;  // ... and evaluated
-constexpr double kHeld = 0.9;       // of the longest slide: a sample so far was held back by it
+constexpr double kHeld = 0.9;       // of the longest slide: a sample that slid so far was held back
 
-/// The samples, which must be of the surface.
+/// The samples, which must belong to the surface.
 Samples bound(const Surface& surface, const Samples& samples) {
   check_samples(surface, samples);
   return bind_samples(surface, samples.faces, samples.barycentric, samples.ids, samples.classes);
@@ -36,7 +37,7 @@ int part_count(const Motion& motion, double longest) {
   return static_cast<int>(std::min<double>(std::ceil(motion.extent / longest), kMostParts));
 }
 
-/// Even sites on each part of the way to a frame but the last, which is the frame itself.
+/// Optimized sites on all parts of a split frame except the last, which is the frame itself.
 FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, const Sites& first,
                              const Motion& motion, int parts, Moved moved, Context* context) {
   FrameSolver::Passed passed{first, 0};
@@ -54,7 +55,7 @@ FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, 
   return passed;
 }
 
-/// Of a frame that is as the last one was.
+/// The report of a frame equal to the last one.
 Report resting(Report report) {
   report.evaluations = report.iterations = 0;
   report.parts = 1;
@@ -82,7 +83,7 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options, Conte
   if (context) context->advance(1.0);
 }
 
-/// Whether nothing moved, and nothing is left to be caught up.
+/// Whether nothing moved and no evenness remains to be restored.
 bool Tracker::rests_at(std::span<const Vec3> vertices) const {
   return settled_ && has_vertices(surface_, vertices);
 }
@@ -170,8 +171,8 @@ void Tracker::resume_on(const Surface& surface, std::span<const Vec3> vertices,
   moved_ = anywhere ? Moved::kFaces : Moved::kDensity;
 }
 
-/// Go on with other samples on the present frame; those of known ids keep their place in the first
-/// frame's pattern.
+/// Continue with other samples on the present frame; those of known ids keep their place in the
+/// first frame's pattern.
 void Tracker::exchange(const Samples& samples) {
   std::map<std::int32_t, std::int32_t> known;
   for (std::size_t k = 0; k < samples_.size(); ++k)
@@ -187,7 +188,7 @@ void Tracker::exchange(const Samples& samples) {
   settled_ = false;
 }
 
-/// Go on from a frame that another tracker has solved.
+/// Continue from a frame that another tracker has solved.
 /// \param first, memory see FrameSolver::replaced()
 void Tracker::replace(const Surface& frame, Samples samples, Sites first, PatternMemory memory,
                       bool settled) {
@@ -199,9 +200,9 @@ void Tracker::replace(const Surface& frame, Samples samples, Sites first, Patter
   settled_ = settled;
 }
 
-/// Go on on a surface of other faces.
-/// \param origin per sample its index so far, or -1 for one that is new; those come last
-/// \param now where the samples begin there
+/// Continue on a surface with other faces.
+/// \param origin per sample its previous index, or -1 for a new one; new ones come last
+/// \param now the initial positions of the samples there
 void Tracker::cross(const Surface& next, const Transfer& transfer,
                     std::span<const std::int32_t> origin, const Samples& now, Context* context) {
   const Sites home = sites_of(now);

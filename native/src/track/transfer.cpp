@@ -16,8 +16,9 @@ namespace {
 constexpr double kAmple = 2.5;  // of the way that half of a component's samples need: others need
                                 // more, but up to half may have lost their surface
 constexpr std::size_t kAround = 24;  // sites that move alike
-constexpr double kDoubt = 0.1;       // of their number: the weight of not moving
-constexpr double kFarthest = 0.25;   // of a component's size: beyond, it is another thing
+constexpr double kDoubt = 0.1;       // relative to their number: the weight of not moving
+constexpr double kFarthest =
+    0.25;  // of a component's size: farther surfaces belong to something else
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
@@ -38,7 +39,7 @@ void add(Transferred& found, std::size_t k, const Vec3& position, std::int32_t f
 
 }  // namespace
 
-/// Of each site the nearest place of the next surface, and whether that is on its side.
+/// For each site the nearest point of the next surface, and whether that is on its side.
 struct Transfer::Nearest {
   Projection places;
   std::vector<Vec3> normals;  // of the sites' faces: interpolated ones lean over at edges
@@ -63,8 +64,8 @@ Transferred Transfer::find(const Sites& sites, const Context* context) const {
   return within_reach(there, nearest(there, context));
 }
 
-/// Where they are likely to go: the nearest places tell how far along their normals, and those
-/// around with other normals the rest. Where all normals are alike, nothing tells how far along the
+/// The likely positions: the nearest points give the motion along their normals, and neighbors with
+/// other normals the rest. If all normals are alike, nothing determines the motion along the
 /// surface, and they stay.
 Sites Transfer::moved(const Sites& sites, const Nearest& near) const {
   const Neighbors tree(sites.positions);
@@ -81,7 +82,7 @@ Sites Transfer::moved(const Sites& sites, const Nearest& near) const {
   return result;
 }
 
-/// The way that brings sites to the planes of their nearest places, as nearly as one can for all.
+/// The translation that brings sites closest to the planes of their nearest points (least squares).
 Vec3 Transfer::common_way(const Sites& sites, const Nearest& near,
                           std::span<const Neighbor> which) const {
   Eigen::Matrix3d planes = kDoubt * static_cast<double>(kAround) * Eigen::Matrix3d::Identity();
@@ -147,7 +148,7 @@ bool Transfer::is_found(const Sites& sites, const Nearest& near, std::size_t k) 
   return near.same_side[k] && near.places.distances[k] <= reach_of(sites, k);
 }
 
-/// The nearest place of those faces that are on its side, if there is one.
+/// The nearest point on faces of its side, if any.
 void Transfer::add_nearest(Transferred& found, std::size_t k, const Vec3& point, const Vec3& normal,
                            std::span<const std::int32_t> faces) const {
   double least = std::numeric_limits<double>::infinity();
@@ -166,7 +167,7 @@ void Transfer::add_nearest(Transferred& found, std::size_t k, const Vec3& point,
   if (best.size() > 0) add(found, k, best.positions[0], best.faces[0], best.barycentric[0]);
 }
 
-/// \return 0 where there is no density: nobody is to be there
+/// \return 0 without density, where no sample may be
 double Transfer::reach_of(const Sites& sites, std::size_t k) const {
   const OrderedFace face = before_.ordered().ordered_face(sites.faces[k]);
   const double density = sites.barycentric[k].dot(before_.ordered().densities(face));

@@ -14,14 +14,14 @@
 namespace dapple {
 namespace {
 
-// Along the surface: straight through a fold or a thin rim all is near.
+// Along the surface, because straight distances through a fold or a thin rim are short.
 double nearest_touching(const RestrictedVoronoi& diagram, std::size_t i) {
   double path = std::numeric_limits<double>::infinity();
   for (const CellBoundary& side : diagram.boundary(i)) path = std::min(path, side.path_length);
   return path;
 }
 
-/// 0 where no cell owns anything, as on a part that a frame has collapsed to nothing.
+/// 0 if no cell has any area, as on a part that has collapsed in a frame.
 double variation(const RestrictedVoronoi& diagram, double mean) {
   if (!(mean > 0.0)) return 0.0;
   double sum = 0.0;
@@ -29,13 +29,14 @@ double variation(const RestrictedVoronoi& diagram, double mean) {
   return std::sqrt(sum / static_cast<double>(diagram.cells.size())) / mean;
 }
 
-/// Neighbors over less of this than their distance touch at a corner, to rounding.
+/// Neighbors whose common boundary is shorter than this, relative to their distance, touch only at
+/// a corner.
 constexpr double kCorner = 1e-9;
 constexpr std::size_t kFewestNeighbors = 3;  // around a closed cell of straight sides
 constexpr std::size_t kGrain = 512;          // sites a chunk
-constexpr double kNone = -1.0;               // where there is nothing to be measured
+constexpr double kNone = -1.0;               // not measurable
 
-/// What is measured of each site, in order: what is added up of it does not depend on the threads.
+/// Measurements of each site, in order, so that their sums do not depend on the threads.
 template <typename Measured>
 std::vector<double> of_each(std::size_t count, const Measured& measured) {
   std::vector<double> result(count);
@@ -45,7 +46,7 @@ std::vector<double> of_each(std::size_t count, const Measured& measured) {
   return result;
 }
 
-// Of complex numbers (x, y).
+// Multiplication of complex numbers (x, y).
 Vec2 times(const Vec2& a, const Vec2& b) {
   return {a.x() * b.x() - a.y() * b.y(), a.x() * b.y() + a.y() * b.x()};
 }
@@ -154,7 +155,7 @@ double alpha_at(const RestrictedVoronoi& diagram, std::size_t i, double mean) {
   return spacing > 0.0 ? nearest_touching(diagram, i) / spacing : 0.0;
 }
 
-/// The half-edges that no other goes along with.
+/// The half-edges of borders.
 std::vector<std::int32_t> border_half_edges(const Surface& surface) {
   std::vector<std::int32_t> result;
   const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());

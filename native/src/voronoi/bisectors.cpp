@@ -9,10 +9,10 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kFewRivals = 12;  // that are sorted at once: enough for most faces
-// So many are more than cells have whose faces are near: then others are looked for at each face.
+constexpr std::size_t kFewRivals = 12;  // number sorted at once: enough for most faces
+// More than cells with near faces have: from here on sites are searched for at each face.
 constexpr std::size_t kMany = NearSites::kMost;
-// Of a squared distance: rounding, so that what lies in a bisector is seen from both sides.
+// Rounding of a squared distance, so that both sides see a face that lies in a bisector.
 constexpr double kTie = 1e-13;
 
 }  // namespace
@@ -60,8 +60,8 @@ void Bisectors::look_further() {
   take_near();
 }
 
-/// Take what is within reach, but fewer than kMany. Which of several at the last distance are among
-/// these is decided by their order: they count only when all of them are.
+/// Take the sites within reach, but fewer than kMany. Sites at the last distance count only if all
+/// of them are included, since their order is arbitrary.
 void Bisectors::take_near() {
   const std::span<const Rival> near = near_.all();
   const bool cut_off = near.size() >= kMany && index_->population() > kMany + 1;
@@ -91,7 +91,7 @@ void Bisectors::take_rivals() {
   settle(bisectors_.size());
 }
 
-// Ties count, so that what lies in a bisector is given to one of both.
+// Ties count, so that a face in a bisector is assigned to one of both sites.
 std::size_t Bisectors::nearest_to(const Vec3& point, std::span<const std::int32_t> others) {
   const Laps::Lap lap(laps_);
   const Vec3& position = sites_->position(site_);
@@ -111,7 +111,7 @@ bool Bisectors::is_near(std::int32_t other) const {
   return (sites_->position(other) - sites_->position(site_)).squaredNorm() < most_needed_;
 }
 
-/// Add the bisector with a site, unless it is there.
+/// Add the bisector with a site unless it has been added.
 std::size_t Bisectors::place_of(std::int32_t site) {
   const auto here = std::find_if(bisectors_.begin(), bisectors_.end(),
                                  [site](const Bisector& b) { return b.site == site; });
@@ -151,8 +151,8 @@ Bisector Bisectors::bisector_to(std::int32_t other) const {
   return {d, 0.5 * d.squaredNorm(), d.squaredNorm(), other, is_out_of_sight(other)};
 }
 
-/// Whether straight distance to a site goes through a wall or over a gap. What it would cut off
-/// would be given back to this component's sites, face by face, since it is not covered then.
+/// Whether straight distance to a site goes through a wall or over a gap. The part
+/// that it would cut off would be uncovered and returned to this component's sites, face by face.
 bool Bisectors::is_out_of_sight(std::int32_t other) const {
   if (all_) return false;
   const OrderedSurface& mesh = surface_->ordered();
@@ -163,7 +163,7 @@ bool Bisectors::is_out_of_sight(std::int32_t other) const {
 }
 
 // Of coincident sites the first of the caller's owns the cell. The others share its plane; where
-// rounding lets theirs cut once more, the boundary would bear the name of an empty cell.
+// rounding lets theirs cut once more, the boundary would name an empty cell.
 void Bisectors::drop_twins() {
   std::size_t kept = 0;
   for (std::size_t k = 0; k < bisectors_.size(); ++k) {

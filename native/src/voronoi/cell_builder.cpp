@@ -12,18 +12,18 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 32;   // cells a chunk
-constexpr std::size_t kWorks = 128;  // chunks in work: what they leave stays in the cache
+constexpr std::size_t kWorks = 128;  // chunks at work, so few that their results stay in the cache
 constexpr std::size_t kSum = 4096;   // cells, in one sum
-constexpr double kRoom = 1.02;       // for boundaries, of what the cells so far let expect
+constexpr double kRoom =
+    1.02;  // memory for boundaries, relative to the estimate from previous cells
 
-// Of the progress: the cells are known but for the uncovered faces, which are in few of them or in
-// many.
+// Share of the progress when all but the cells with uncovered faces are known: few or many.
 constexpr double kFlooded = 0.7;
 
 std::size_t chunks_of(std::size_t count) { return (count + kGrain - 1) / kGrain; }
 
-/// Make room for `needed` values, those from `first` on being a share of all that will come. What
-/// was there in an earlier run need not be cleared.
+/// Reserve memory for `needed` values, estimating the total from those since `first`. Memory of an
+/// earlier run need not be cleared.
 template <typename T>
 void make_room(std::vector<T>& values, std::size_t first, std::size_t needed, double share) {
   if (needed <= values.size()) return;
@@ -32,7 +32,7 @@ void make_room(std::vector<T>& values, std::size_t first, std::size_t needed, do
   values.resize(needed);
 }
 
-/// A cell without area, or where the density falls to 0, may have rounding of either sign.
+/// A cell without area or density may have rounding errors of either sign.
 Moments not_negative(Moments cell) {
   for (double* value : {&cell.area, &cell.capacity, &cell.mass, &cell.second})
     *value = std::max(*value, 0.0);
@@ -44,7 +44,7 @@ Moments not_negative(Moments cell) {
 CellBuilder::CellBuilder(const Surface& surface)
     : surface_(surface), index_(sites_), workers_([this] { return Worker(*this); }) {}
 
-/// Where there are faces without density.
+/// The projector if some faces have no density.
 void CellBuilder::find_gaps() {
   if (full_area_ > 0.0 || surface_.uniform()) return;
   std::vector<bool> empty(surface_.face_count());
@@ -76,7 +76,7 @@ void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells,
   if (context) context->advance(1.0);
 }
 
-/// Where parts without any site are left, that of the others.
+/// The component labels without parts that have no site.
 void CellBuilder::find_area_to_cover() {
   area_to_cover_ = surface_.area();
   const OrderedSurface& mesh = surface_.ordered();
@@ -134,8 +134,8 @@ std::span<const Share> CellBuilder::shares_of(std::int32_t site) const {
 }
 
 /// Call `visit(face, whole)` for each piece of the site's cell, and `flush()` after each change
-/// of bisectors. Uncovered faces with owners are divided among these; what floods found there is
-/// void.
+/// of bisectors. Uncovered faces with owners are divided among these; the floods' results there are
+/// ignored.
 template <typename Visit, typename Flush>
 void CellBuilder::for_each_piece(Worker& worker, std::int32_t site, const Visit& visit,
                                  const Flush& flush) {
@@ -172,12 +172,12 @@ std::span<const std::int32_t> CellBuilder::owners_of(OrderedFace face) const {
   return std::span(owners_).subspan(divided_[f], divided_[f + 1] - divided_[f]);
 }
 
-// A chunk's cells leave what they have found in a place that the next chunk there takes over: who
-// takes it puts the others' into the result first. By then it is known how much comes before it.
+// A chunk's cells store their results in a slot that a later chunk reuses. Before reusing it, the
+// results are moved to the output, where their offset is known by then.
 void CellBuilder::integrate(std::span<const std::int32_t> sites, Context* context) {
   const std::size_t chunks = chunks_of(sites.size());
   chunks_.resize(std::max(chunks_.size(), std::min(chunks, kWorks)));
-  for (Chunk& chunk : chunks_) chunk.clear();  // a cancelled run may have left something
+  for (Chunk& chunk : chunks_) chunk.clear();  // a cancelled run may have left results
   const std::size_t known = boundary_count_;
   piece_count_ = 0;
   Tally tally(context, sites.size());
@@ -203,7 +203,7 @@ void CellBuilder::integrate(std::span<const std::int32_t> sites, Context* contex
                   [&](std::size_t k, std::size_t) { put_away(chunks_[k]); });
 }
 
-/// Find the places in the result of what the chunks have left.
+/// Compute the offsets of the chunks' results in the output.
 void CellBuilder::place(std::span<Chunk> chunks) {
   for (Chunk& chunk : chunks) {
     chunk.first_boundary = boundary_count_;
@@ -243,7 +243,7 @@ void CellBuilder::integrate(Chunk& chunk, Worker& worker) {
 }
 
 bool CellBuilder::missing_area() const {
-  if (gaps_) return count() > 0;  // areas do not tell
+  if (gaps_) return count() > 0;  // areas are no criterion
   const double covered =
       parallel_sum(count(), kSum, [&](std::size_t k) { return result_->cells[k].area; });
   return count() > 0 && area_to_cover_ - covered > 1e-11 * surface_.area();
@@ -254,8 +254,8 @@ bool CellBuilder::owns_nothing() const {
                       [](const Moments& cell) { return cell.capacity > 0.0; });
 }
 
-/// Find the faces that the floods left uncovered, decide whose they are, and integrate the cells
-/// that this changes again.
+/// Find the faces that the floods left uncovered, determine their owners, and integrate the
+/// affected cells again.
 void CellBuilder::share_uncovered_faces(Context* context) {
   const std::span<const Coverage> pieces = std::span(pieces_).first(piece_count_);
   std::vector<OrderedFace> uncovered = uncovered_faces(surface_, pieces);
@@ -280,7 +280,7 @@ void CellBuilder::share_uncovered_faces(Context* context) {
   integrate(changed, context);
 }
 
-/// Of the sites asked, those that own something of the face when only the rivals compete.
+/// The sites that own a part of the face if only the rivals compete.
 std::vector<std::int32_t> CellBuilder::winners(OrderedFace face,
                                                std::span<const std::int32_t> asked,
                                                std::span<const std::int32_t> rivals) {

@@ -95,9 +95,9 @@ bool CellFlood::clip(OrderedFace face) {
   return whole_;
 }
 
-/// False if others may cut, too.
+/// False if other sites may cut as well.
 bool CellFlood::clip_near(const HalfSpaces::Triangle& triangle) {
-  // No |x_j - x_i| that counts is above 2 r.
+  // Only sites with |x_j - x_i| <= 2 r matter.
   const double floor = -2.0 * kTie * polygon_.squared_radius();
   std::size_t k = 0;
   while (const Bisector* next = bisectors_.at(k)) {
@@ -113,9 +113,9 @@ bool CellFlood::clip_near(const HalfSpaces::Triangle& triangle) {
   return bisectors_.complete();
 }
 
-/// Where a cell goes far beyond the site's neighbors, as it does where few sites own much, the
-/// distance from the site does not tell which others count, and the face is asked instead: what is
-/// left of it belongs to the site if its corners do, as it is convex.
+/// If a cell reaches far beyond the site's neighbors, as where few sites own a large area, the
+/// distance from the site does not determine the relevant sites. Then the face decides: the rest
+/// of it is convex, so it belongs to the site if its corners do.
 void CellFlood::clip_far(const HalfSpaces::Triangle& triangle,
                          const std::array<std::int32_t, 3>& vertices) {
   rest_.start(polygon_.corners());
@@ -132,7 +132,7 @@ void CellFlood::clip_far(const HalfSpaces::Triangle& triangle,
     if (!cut_by(bisector(k), static_cast<std::size_t>(k)) || polygon_.empty()) return;
 }
 
-/// What has cut another face will likely cut the next one.
+/// Bisectors that have cut one face are likely to cut the next one.
 void CellFlood::take_known_far() {
   for (std::size_t k = bisectors_.first_far(); k < bisectors_.end() && !rest_.empty(); ++k) {
     const Bisector& known = bisectors_.known(k);
@@ -152,7 +152,7 @@ void CellFlood::find_far(const HalfSpaces::Triangle& triangle,
   while (const Vec3* corner = next_unsure()) {
     const std::size_t k = bisectors_.nearest_to(*corner, far_);
     if (k != Bisectors::kNone && (take_far(k) || ++idle < kMostTies)) continue;
-    if (k == Bisectors::kNone && idle == 0)  // what ties at it may lie in faces beside it, too
+    if (k == Bisectors::kNone && idle == 0)  // ties may also concern adjacent faces
       for (std::size_t v = 0; v < 3; ++v)
         if (*corner == vector(triangle[v]))
           own_vertices_[static_cast<std::size_t>(vertices[v])] = turn_;
@@ -160,7 +160,7 @@ void CellFlood::find_far(const HalfSpaces::Triangle& triangle,
   }
 }
 
-/// Whether it cuts something off.
+/// Whether the bisector cuts anything off.
 bool CellFlood::take_far(std::size_t k) {
   const Bisector& bisector = bisectors_.known(k);
   far_.push_back(static_cast<std::int32_t>(k));
@@ -169,14 +169,14 @@ bool CellFlood::take_far(std::size_t k) {
   return true;
 }
 
-/// A corner of the rest that may not be the site's.
+/// A corner of the rest that may belong to another site.
 const Vec3* CellFlood::next_unsure() const {
   for (const Polygon::Corner& corner : rest_.corners())
     if (std::find(sure_.begin(), sure_.end(), corner.x) == sure_.end()) return &corner.x;
   return nullptr;
 }
 
-/// Of the bisectors in [first, last) those whose bits are set. False if nothing is left to cut.
+/// Cut by the bisectors in [first, last) whose bits are set. False if nothing is left.
 bool CellFlood::cut_by_those(unsigned reached, std::size_t first, std::size_t last) {
   for (; reached != 0; reached &= reached - 1) {
     const std::size_t k = first + static_cast<std::size_t>(std::countr_zero(reached));

@@ -12,8 +12,8 @@
 namespace dapple {
 namespace {
 
-/// From a point near it: the differences are exact, where the centroid itself is rounded to the
-/// digits that coordinates have far from the origin.
+/// Relative to a nearby point, so that differences are exact; far from the origin the centroid
+/// itself would be rounded.
 Triple centroid_of(const Surface& surface, OrderedFace face, const Triple& from) {
   const auto [a, b, c] = surface.ordered().corners(face);
   const Triple sum = (Triple(surface.ordered().vertex(a)) - from) +
@@ -83,7 +83,7 @@ void CellIntegrals::add_area(const FaceGeometry& geometry) {
   add_integrals(moments_, piece);
 }
 
-// Both sites are as far from the points of a bisector, so the way over one is twice its distance.
+// Points of a bisector have equal distance from both sites, so a path over one is twice as long.
 // Along a bisector phi (x - x_i) has degree 2: Simpson's rule is exact.
 void CellIntegrals::add_boundary(const FaceGeometry& geometry) {
   const auto corners = flood_->polygon().corners();

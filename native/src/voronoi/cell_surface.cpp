@@ -8,8 +8,8 @@ namespace dapple {
 
 namespace {
 
-/// What a map has at a key, made if need be. The mutex guards the map and is free meanwhile: a Poll
-/// that is asked while it is made may itself ask for the same. What was stored first is used.
+/// The value of a map at a key, created if missing. The mutex guards the map but is not held while
+/// a value is created, because a Poll may need the same value. The value stored first is used.
 template <typename Map, typename Make>
 typename Map::mapped_type made_once(std::mutex& mutex, Map& map, const typename Map::key_type& key,
                                     const Make& make) {
@@ -52,7 +52,7 @@ std::shared_ptr<const SidedSurface> CellSurfaces::known(const Surface& surface) 
 CellSurface CellSurfaces::at(const Surface& surface, std::size_t count, Context* context) {
   const auto order = static_cast<int>(std::bit_width(std::max<std::size_t>(count, 1)));
   CellSurface result;
-  // Those that are known do not depend on the count.
+  // Known components do not depend on the count.
   result.sided = made_once(mutex_, sided_, known_ ? 0 : count,
                            [&] { return sides_of(surface, count, nullptr); });
   result.cut = made_once(mutex_, cut_, {order, result.sided.get()},

@@ -21,7 +21,7 @@ struct CellSurface {
   [[nodiscard]] const Surface& uncut(const Surface& whole) const {
     return sided ? sided->all : whole;
   }
-  /// The surface without the places where sites should not begin.
+  /// The surface without parts where sites should not start.
   [[nodiscard]] const Surface& start(const Surface& whole) const {
     return sided ? sided->without_rims : whole;
   }
@@ -36,7 +36,7 @@ struct CellSurface {
 [[nodiscard]] KnownSides sides_for(const Surface& surface, std::size_t count, Cells cells,
                                    Context* context = nullptr);
 
-/// Keeps what cell_surface() has made of one surface. Every member may be called from several
+/// Caches the results of cell_surface() for one surface. Every member may be called from several
 /// threads.
 class CellSurfaces {
  public:
@@ -44,7 +44,7 @@ class CellSurfaces {
       : cells_(cells), known_(std::move(sides)) {}
   [[nodiscard]] CellSurface at(const Surface& surface, std::size_t count,
                                Context* context = nullptr);
-  /// The sides that do not depend on the count; null where they do, or there are none.
+  /// The sides, if they do not depend on the count; otherwise null.
   [[nodiscard]] std::shared_ptr<const SidedSurface> known(const Surface& surface);
 
  private:

@@ -53,7 +53,8 @@ unsigned compare_sse2(const Eight& low, const Eight& high, const Box& query, dou
 
 [[gnu::target("avx512f")]] unsigned compare_avx512(const Eight& low, const Eight& high,
                                                    const Box& query, double limit) {
-  constexpr __mmask8 kAll = 0xff;  // GCC 12 warns of what the form without a mask leaves unset
+  constexpr __mmask8 kAll =
+      0xff;  // the form without a mask makes GCC 12 warn of uninitialized values
   __m512d sum = _mm512_setzero_pd();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);

@@ -16,7 +16,7 @@ struct Box {
 /// Coordinates of eight points or corners of boxes, by axis.
 using Eight = std::array<std::array<double, 8>, 3>;
 
-/// Compares eight boxes with another one at once, by the instructions that the machine has: a bit
+/// Compares eight boxes with another one at once, by the instructions of the machine: a bit
 /// for each whose squared distance is below a limit, the lowest for the first. Every instruction
 /// set gives the same bits.
 using CompareBoxes = unsigned (*)(const Eight& low, const Eight& high, const Box& query,

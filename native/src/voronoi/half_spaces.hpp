@@ -14,7 +14,7 @@ enum class InstructionSet { kSingle, kSse2, kAvx2, kAvx512 };
 
 [[nodiscard]] const char* name_of(InstructionSet set);
 
-/// Those that this machine has, the widest last.
+/// The instruction sets of this machine, the widest last.
 [[nodiscard]] std::vector<InstructionSet> instruction_sets();
 
 /// Half-spaces x . normal <= offset as a structure of arrays, so that several are compared with a
@@ -30,7 +30,7 @@ class HalfSpaces {
 
   /// A bit for each half-space of the block that starts at `first`, a multiple of kBlock, the
   /// lowest for `first`: whether a corner of the triangle has x . normal - offset >= floor. Bits of
-  /// half-spaces that were never assigned mean nothing. Every instruction set gives the same bits.
+  /// unassigned half-spaces are undefined. Every instruction set gives the same bits.
   /// \pre first was assigned
   [[nodiscard]] unsigned reached_by(std::size_t first, const Triangle& triangle,
                                     double floor) const {

@@ -7,8 +7,8 @@
 
 namespace dapple {
 
-/// Hexagonal spacing where cells of a capacity have a cell's own density, averaged by itself: where
-/// there is none, there is no room either.
+/// Hexagonal spacing of cells with a given capacity at a cell's own density, averaged over its
+/// density: parts without density do not count.
 inline double local_spacing(const Moments& cell, double capacity) {
   return hexagonal_spacing(cell.mass > 0.0 ? capacity * cell.capacity / cell.mass : 0.0);
 }

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kFirstReach = 1.8;  // spacings
 constexpr double kFurther = 2.25;    // squared
-constexpr int kFewExtensions = 2;    // for a site: then its surroundings are looked at more closely
+constexpr int kFewExtensions = 2;    // of one site, before it searches by itself
 constexpr double kMargin = 1.25;     // of the squared reach that the last neighborhood needed
-constexpr double kAlike = 4.0;       // needs that say something about others, over the median
+constexpr double kAlike = 4.0;       // needs that are representative, relative to the median
 constexpr std::size_t kNone = ~std::size_t{0};
 constexpr std::size_t kFew = 24;
 
@@ -49,8 +49,8 @@ bool NearSites::is_complete() const {
   return within_reach_ + 1 >= index_->population() || !std::isfinite(squared_reach_);
 }
 
-/// First a little. Where that was not enough the site may be far from all others: then as far as it
-/// takes to find as many as anybody asks for, and no farther.
+/// First by a little. If that is not enough, the site may be far from all others: then until kMost
+/// sites are found.
 void NearSites::extend() {
   const Vec3& position = sites_->position(site_);
   const double farther = kFurther * squared_reach_;
@@ -71,8 +71,8 @@ void NearSites::put_need_away() {
   ++need_count_;
 }
 
-/// By a site of the neighborhood. One that had to look far beyond what others needed, since it is
-/// alone where it is, says nothing about the next ones.
+/// Record the reach that a site of the neighborhood needed. An isolated site, which needed far more
+/// than others, says nothing about the next ones.
 double NearSites::most_needed() {
   const std::span<double> needs =
       std::span(needs_).first(std::min(std::exchange(need_count_, 0), needs_.size()));
@@ -92,7 +92,7 @@ void NearSites::look_around(const SiteIndex::Neighborhood& here) {
                         [&](std::int32_t site) { around_.add(site, sites_->position(site)); });
 }
 
-/// A little further than this neighborhood needs: the other ones of the block may need more.
+/// A little more than this neighborhood needs, because others of the block may need more.
 void NearSites::look_at(const SiteIndex::Neighborhood& block) {
   block_ = block.number;
   squared_reach_block_ = kMargin * squared_reach_;
@@ -127,7 +127,7 @@ void NearSites::measure(const Places& places) {
   }
 }
 
-// Without a branch, since a processor cannot foretell which places are within reach.
+// Without a branch, because a processor cannot predict which positions are within reach.
 void NearSites::choose(const Places& places) {
   measure(places);
   const std::size_t size = places.sites.size();
@@ -160,8 +160,8 @@ void NearSites::sort() {
     std::sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count_));
 }
 
-/// By how many are nearer than each, since a processor cannot foretell how comparisons end. False,
-/// with nothing done, if there are equal distances.
+/// Sort by counting nearer sites, because a processor cannot predict comparisons. Returns false and
+/// changes nothing if distances are equal.
 bool NearSites::sort_few() {
   std::array<double, kFew> keys;
   std::array<std::int64_t, kFew> places;

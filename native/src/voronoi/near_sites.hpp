@@ -19,9 +19,8 @@ struct Rival {
   }
 };
 
-/// The sites within reach of one after another. Sites of one neighborhood have much the same others
-/// around them, so that these are searched for once; and what one neighborhood needed the next one
-/// will: only how long a search takes depends on that.
+/// Finds the sites near each of a sequence of sites. Sites of one neighborhood share a search,
+/// whose reach follows the need of the last neighborhood; this affects only the time of a search.
 class NearSites {
  public:
   /// The arguments must outlive this.
@@ -33,9 +32,9 @@ class NearSites {
   /// Turn to a site.
   void turn_to(std::int32_t site);
 
-  static constexpr std::size_t kMost = 51;  ///< that anybody asks for
+  static constexpr std::size_t kMost = 51;  ///< largest number returned
 
-  /// All within reach of it but itself, the nearest first; of more than kMost only so many.
+  /// All other sites within reach, the nearest first; at most kMost.
   [[nodiscard]] std::span<const Rival> all() const { return std::span(near_).first(count_); }
 
   /// How many there are.
@@ -47,7 +46,7 @@ class NearSites {
   /// Reach further for this site.
   void extend();
 
-  /// Note that a squared distance is as far as this site had to look.
+  /// Record the squared distance that this site needed.
   void note_need(double squared_distance) { need_ = std::max(need_, squared_distance); }
 
  private:

@@ -11,7 +11,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kCut = 0.6;  // of the progress of polygons: the cells are known
+constexpr double kCut = 0.6;  // share of the progress of polygons when the cells are known
 
 /// Only cells that follow the surface have sides.
 Surface in_sides(const Surface& surface, std::size_t count, Cells cells) {
@@ -30,7 +30,7 @@ RestrictedVoronoi unit_voronoi(const Surface& surface, const Sites& sites, Cells
 
 void remove_unit(RestrictedVoronoi& diagram, double density_unit) {
   if (density_unit == 1.0) return;
-  const double once = 1.0 / density_unit;  // twice at once may leave the range of numbers
+  const double once = 1.0 / density_unit;  // the square may overflow
   for (Moments& cell : diagram.cells) {
     cell.capacity *= once;
     cell.mass = cell.mass * once * once;

@@ -58,7 +58,7 @@ class Propagation {
   }
 
  private:
-  /// All active faces look at the state before the round, so that their order plays no part.
+  /// All active faces read the state before the round, so that their order does not matter.
   std::vector<std::size_t> round(const std::vector<std::size_t>& active) {
     std::vector<SiteSet> owners(active.size());
     parallel_chunks(active.size(), 32, [&](std::size_t begin, std::size_t end) {
@@ -156,7 +156,7 @@ std::vector<OrderedFace> uncovered_faces(const Surface& surface, std::span<const
   for (std::size_t f = 0; f < missing.size(); ++f) {
     const OrderedFace face = nth_face(f);
     if (!surface.ordered().counts(face)) continue;
-    // A face without area that nobody reached is one too: what is owned must spread across it.
+    // A face without area that no flood reached counts too: labels must spread across it.
     if (!reached[f] || missing[f] > kUncovered * surface.ordered().geometry(face).moments.area)
       uncovered.push_back(face);
   }

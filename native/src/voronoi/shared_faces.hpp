@@ -22,7 +22,7 @@ struct Share {
   auto operator<=>(const Share&) const = default;
 };
 
-/// Of the sites `asked`, those that own something of `face` when only `rivals` compete; all sorted.
+/// The sites among `asked` that own a part of `face` if only `rivals` compete; all sorted.
 using Divide = std::function<std::vector<std::int32_t>(
     OrderedFace face, std::span<const std::int32_t> asked, std::span<const std::int32_t> rivals)>;
 

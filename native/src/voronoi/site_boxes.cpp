@@ -49,7 +49,7 @@ void SiteBoxes::put_points(std::size_t leaf) {
           k < count ? points_[kFan * leaf + k][static_cast<Eigen::Index>(axis)] : kInfinity;
 }
 
-/// What box k of a level holds: points, or boxes of the level below.
+/// The contents of box k of a level: points, or boxes of the level below.
 Box SiteBoxes::around(std::size_t level, std::size_t k) const {
   Box result = kEmpty;
   if (level == 0) {

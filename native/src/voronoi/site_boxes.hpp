@@ -24,7 +24,7 @@ class SiteBoxes {
   /// \param points must outlive the boxes
   explicit SiteBoxes(std::span<const Vec3> points) { assign(points); }
 
-  /// Of other points, in the same memory.
+  /// Rebuild for other points, in the same memory.
   void assign(std::span<const Vec3> points);
 
   [[nodiscard]] Box leaf_of(std::size_t point) const { return box(0, point / kFan); }
@@ -37,7 +37,7 @@ class SiteBoxes {
               [&](std::size_t group) { visit_group(group, query, limit, visit); });
   }
 
-  /// What surrounds several queries: the eight leaves of a parent.
+  /// The surroundings of several queries: the eight leaves of a parent.
   [[nodiscard]] Box parent_of(std::size_t leaf) const {
     return levels_.size() > 1 ? box(1, leaf / kFan) : around_all();
   }

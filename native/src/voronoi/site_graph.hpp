@@ -23,7 +23,8 @@ struct SiteGraph {
 
   std::vector<std::size_t> starts;  // rows of `links`, one more than sites
   std::vector<Link> links;
-  bool periodic = false;  ///< cells are whole: no border cuts a part of one off from its site
+  bool periodic =
+      false;  ///< cells are connected: no border separates a part of a cell from its site
 };
 
 /// The cells of the sites on a flat surface, or for a periodic graph on any flat surface that

@@ -15,11 +15,11 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kCrowd = 16;    // sites on one face: fewer are looked through in no time
+constexpr std::size_t kCrowd = 16;    // sites on one face: fewer are searched linearly
 constexpr std::size_t kMany = 8;      // sites on one face, on average
 constexpr std::size_t kCounted = 16;  // faces a site
-constexpr std::size_t kFew = 1024;    // sites: fewer are in no bad order
-constexpr double kLoose = 4.0;        // of what leaves of sites on a surface measure
+constexpr std::size_t kFew = 1024;    // sites: below this the order does not matter
+constexpr double kLoose = 4.0;        // relative to the size of leaves of sites on a surface
 
 }  // namespace
 
@@ -89,8 +89,7 @@ void SiteIndex::leave_crowds_out() {
     if (leaders_[k] == static_cast<std::int32_t>(k)) kept_.push_back(static_cast<std::int32_t>(k));
 }
 
-/// The order of the sites is one in space as long as it is that of their faces, and no face holds
-/// many.
+/// The order of the faces is also an order in space of the sites, unless a face holds many.
 bool SiteIndex::are_spread() const {
   std::size_t occupied = 0;
   for (std::size_t k = 0; k < sites_->size(); ++k)
@@ -98,7 +97,7 @@ bool SiteIndex::are_spread() const {
   return sites_->size() <= kMany * occupied;
 }
 
-/// Whether the order of their faces is none in space: leaves are far larger than they would be.
+/// Whether the order of the faces is no order in space: leaves are far too large.
 bool SiteIndex::are_off_their_faces() const {
   const std::size_t count = sites_->size();
   if (count < kFew) return false;
@@ -113,7 +112,7 @@ bool SiteIndex::are_off_their_faces() const {
   return sum * share > kLoose * std::sqrt(share) * all.diagonal().norm();
 }
 
-/// \param anew whether they are sorted by themselves
+/// \param anew whether to sort the sites themselves
 void SiteIndex::sort_in_space(bool anew) {
   if (kept_.empty()) {
     kept_.resize(sites_->size());
@@ -130,7 +129,7 @@ void SiteIndex::sort_in_space(bool anew) {
     places_[static_cast<std::size_t>(kept_[k])] = static_cast<std::int32_t>(k);
 }
 
-/// Name the leaders of those sites in [first, last) that share their place with others.
+/// Set the leaders of sites in [first, last) that coincide with others.
 void SiteIndex::find_crowds(std::size_t first, std::size_t last) {
   std::vector<std::pair<std::array<double, 3>, std::size_t>> run;
   for (std::size_t k = first; k < last; ++k) {

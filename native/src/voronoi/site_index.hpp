@@ -9,8 +9,8 @@
 
 namespace dapple {
 
-/// The sites in the order of their faces, which is also an order in space. All that computes cells
-/// speaks of a site by its place in this order, *ordered* site for short.
+/// The sites in the order of their faces, which is also an order in space. The computation of cells
+/// identifies a site by its index in this order, *ordered* site for short.
 class OrderedSites {
  public:
   std::vector<std::int32_t> originals;  ///< ordered -> caller's
@@ -20,7 +20,7 @@ class OrderedSites {
   OrderedSites() = default;
   OrderedSites(const Surface& surface, const Sites& sites) { assign(surface, sites); }
 
-  /// Of other sites, in the same memory.
+  /// Rebuild for other sites, in the same memory.
   void assign(const Surface& surface, const Sites& sites);
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
@@ -38,7 +38,7 @@ class OrderedSites {
   std::vector<std::int32_t> next_;    // per face: the place of its next site
 };
 
-/// Knows which sites are near: from boxes around them, or from a graph of the sites whose cells
+/// Finds nearby sites: by boxes around them, or by a graph of the sites whose cells
 /// touch.
 class SiteIndex {
  public:
@@ -86,11 +86,11 @@ class SiteIndex {
   [[nodiscard]] std::span<const std::int32_t> by_neighborhood() const {
     return leaders_.empty() ? kept_ : std::span<const std::int32_t>();
   }
-  /// How many there are to be found.
+  /// The number of sites that can be found.
   [[nodiscard]] std::size_t population() const {
     return kept_.empty() ? sites_->size() : kept_.size();
   }
-  /// The site that stands for the crowd that a site is in; the site itself outside one.
+  /// The representative of the crowd of a site; the site itself outside crowds.
   [[nodiscard]] std::int32_t leader(std::int32_t site) const {
     return leaders_.empty() ? site : leaders_[static_cast<std::size_t>(site)];
   }
@@ -103,7 +103,7 @@ class SiteIndex {
     return ordered_[static_cast<std::size_t>(original)];
   }
 
-  /// The site nearest to a point. Only the way there depends on `from`, a site that is better near.
+  /// The site nearest to a point. `from` only affects the time and should be near.
   [[nodiscard]] std::int32_t nearest(const Vec3& point, std::int32_t from) const;
 
   /// Only without a graph: of the sites for which `competes(site)` the one nearest to a point, the

@@ -183,10 +183,10 @@ TEST(RelaxedClasses, RefuseWhatTheyCannotBe) {
           "classes[1].radius is -1");
   RelaxOptions both = relaxing(r.classes);
   both.count = 7;
-  refused(both, "count is 7 and there are classes");
+  refused(both, "count is 7 and classes are given");
   std::vector<SampleClass> others = r.classes;
   others[2].surface = blob(2).surface();
-  refused(relaxing(others), "classes[2] has a surface of other faces");
+  refused(relaxing(others), "classes[2] has a surface with other faces");
 }
 
 }  // namespace

@@ -294,7 +294,7 @@ TEST(Stipple, NamesWhatIsWrong) {
                         std::initializer_list<std::string> parts) {
     expect_message<ArgumentError>([&] { (void)stipple_inks(inks, count, options); }, parts);
   };
-  fails({filled(4, 5, 0.0)}, 10, {}, {"white", "nothing to put dots on"});
+  fails({filled(4, 5, 0.0)}, 10, {}, {"white", "no dots can be placed"});
   fails({filled(4, 5, 1.0)}, 0, {}, {"count is 0"});
   fails({}, 10, {}, {"inks is empty"});
   fails({filled(0, 5, 1.0)}, 10, {}, {"inks[0]", "at least one pixel"});

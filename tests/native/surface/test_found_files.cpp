@@ -169,7 +169,7 @@ TEST(FoundFiles, AnStlThatSaysTooFewTrianglesLosesNone) {
 }
 
 TEST(FoundFiles, AnStlOfAnotherSizeThanItSaysIsRefused) {
-  expect_refused(read_stl, binary_stl(13), "says that it has 13 triangles, and has room for 12");
+  expect_refused(read_stl, binary_stl(13), "declares 13 triangles and has room for 12");
   expect_refused(read_stl, binary_stl(5) + "more", "says that it has 5 triangles");
   expect_refused(read_stl, binary_stl(12).substr(0, 200), "has room for 2");
 }

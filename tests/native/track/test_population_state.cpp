@@ -161,10 +161,11 @@ TEST(PopulationState, IsRefusedIfItDoesNotFit) {
   expect_refused([](auto& s) { s.densities[0] = -1.0; }, {"state.densities"});
   expect_refused([](auto& s) { s.next_id = 100; }, {"state.next_id is 100", "samples.ids[100]"});
   expect_refused([](auto& s) { s.next_id = std::int64_t{1} << 40; }, {"state.next_id"});
-  expect_refused([](auto& s) { s.faces_digest += 2; }, {"state is of a frame with other faces"});
+  expect_refused([](auto& s) { s.faces_digest += 2; },
+                 {"state belongs to a frame with other faces"});
   const Surface other = metaballs(0, 8).surface();
   expect_message<ArgumentError>([&] { population.resume(other, before, good); },
-                                {"state is of a frame with other faces than the surface's"});
+                                {"state belongs to a frame with other faces than the surface's"});
   const auto large = icosphere(5).surface();
   PopulationState unknown = good;
   unknown.faces_digest = 0;

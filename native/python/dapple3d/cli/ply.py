@@ -74,7 +74,7 @@ def _read_vertices(file: IO[bytes], order: str, elements: list[_Element]) -> Arr
 def _read_header(file: IO[bytes]) -> tuple[str, list[_Element]]:
     """The byte order, and the elements up to the vertices."""
     if file.readline().strip() != b"ply":
-        raise ValueError("is no PLY file: it does not begin with 'ply'")
+        raise ValueError("is not a PLY file: it does not begin with 'ply'")
     order, elements = "", list[_Element]()
     for number, line in enumerate(file, 2):
         try:

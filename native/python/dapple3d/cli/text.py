@@ -169,7 +169,7 @@ def read_off(path: Path) -> Arrays:
     lines = [(number, words) for number, words in stripped if words]
     head = OFF.match(lines[0][1][0]) if lines else None
     if head is None:
-        raise ValueError("is no OFF file in text: it does not begin with OFF or NOFF")
+        raise ValueError("is not an OFF text file: it does not begin with OFF or NOFF")
     names = [*PLACE, *(NORMAL if head[3] else ())]
     first = [word for word in (lines[0][1][0][head.end() :], *lines[0][1][1:]) if word]
     lines = [(lines[0][0], first), *lines[1:]] if first else lines[1:]
