@@ -47,7 +47,6 @@ _WITHDRAWN = (
     r"\bgives? up what\b",
 )
 WITHDRAWN = re.compile("|".join(_WITHDRAWN), re.IGNORECASE)
-NOT_YET = ("addon/", "native/", "docs/add-on.md", "docs/options.md")  # not all reread yet
 
 
 def lines(path: Path) -> Iterator[tuple[int, str]]:
@@ -74,7 +73,7 @@ def problems(name: str, line: str) -> Iterator[str]:
     """What is wrong with a line of a file."""
     if word := british(line):
         yield f"British spelling '{word}'"
-    if not name.startswith(NOT_YET) and (word := withdrawn(line)):
+    if word := withdrawn(line):
         yield f"withdrawn word '{word}': see docs/development/words.md"
 
 

@@ -40,7 +40,7 @@ DENSITY = (
         Kind.CHOICE,
         "BRIGHTNESS",
         "Channel",
-        "What of the image multiplies the density",
+        "Image channel used as density",
         choices=(
             ("BRIGHTNESS", "Brightness", "Brightness of the color, times its opacity"),
             ("RED", "Red", "Red alone, whatever the opacity"),

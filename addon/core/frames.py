@@ -113,7 +113,7 @@ def transport(direction: Floats, normal: Floats, other: Floats) -> Floats:
 
 
 def carried(before: Binding, after: Binding, vertices: Floats, normals: Normals) -> Binding:
-    """after, with the angles that keep the directions of before on these vertices."""
+    """after, with the angles that keep the previous directions on these vertices."""
     old, new = frames(before, vertices, normals), frames(after, vertices, normals)
     direction = transport(old.direction(before.carry), old.normal, new.normal)
     return replace(after, carry=new.angle(direction))

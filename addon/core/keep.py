@@ -213,7 +213,7 @@ def _given(
 
 
 def _in_pose(before: SurfaceArrays, now: SurfaceArrays) -> Floats:
-    """The vertices of before where they are once the object was moved or turned as a whole."""
+    """The previous vertices where they are once the object was moved or turned as a whole."""
     if np.array_equal(before.matrix, now.matrix):
         return before.vertices
     motion = now.matrix @ np.linalg.inv(before.matrix)

@@ -4,7 +4,7 @@
 Every point that is ever there has a row in every key, in the order in which they appear, so that
 instances keep their identity. `gone` of a row is 1 - fade: 0 for one that is there, 1 for one that
 is not there yet or no more. On frames without faces all are gone; where faces come back, others
-appear there, at the density of before.
+appear there, at the previous density.
 """
 
 from dataclasses import dataclass, replace
@@ -91,7 +91,7 @@ class PopulationBaker(Baker):
             self._stands = self.done
 
     def appear(self, bound: SurfaceArrays) -> None:
-        """Faces come back, on which other points appear; those of before stay gone."""
+        """Faces come back, on which other points appear; the previous ones stay gone."""
         self.is_bare = False
         if not len(self._faces):
             return
@@ -160,7 +160,7 @@ class PopulationBaker(Baker):
         return samples, samples.report
 
     def _begun_anew(self, context: Any) -> tuple[Any, Any]:
-        """Points at the density of before, all of which begin to appear."""
+        """Points at the previous density, all of which begin to appear."""
         surface = self._surface()
         density, first = float(self._state["densities"][0]), int(self._state["next_id"])
         count = max(1, round(density * surface.capacity))

@@ -69,7 +69,7 @@ class RawMesh:
 
     @property
     def is_mirrored(self) -> bool:
-        """Whether its faces look inwards in the world as they are stored."""
+        """Whether its faces look inward in the world as they are stored."""
         return bool(np.linalg.det(self.matrix[:3, :3]) < 0.0)
 
 
@@ -81,7 +81,7 @@ def world_normals(normals: Singles, matrix: Floats, totals: Ints) -> Floats:
     """
     x, y, z = matrix[:3, :3].T
     cofactors = np.array([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
-    if np.dot(x, cofactors[0]) < 0.0:  # a mirrored surface still faces outwards
+    if np.dot(x, cofactors[0]) < 0.0:  # a mirrored surface still faces outward
         cofactors = -cofactors
     found: Floats = normals @ (cofactors / max(float(np.linalg.norm(cofactors, 2)), 1e-300))
     return np.repeat(found, totals, axis=0) if len(found) == len(totals) else found
@@ -109,7 +109,7 @@ def _blenders_cut(mesh: RawMesh) -> Ints:
     found = np.empty((len(mesh.starts) + int(extra.sum()), 3), dtype=np.int32)
     found[first] = mesh.starts[:, None] + np.arange(3, dtype=np.int32)
     quads, begins = first[extra > 0], mesh.starts[extra > 0, None]
-    other = _bent_inwards(mesh.positions[mesh.corners[begins + np.arange(4)]])
+    other = _bent_inward(mesh.positions[mesh.corners[begins + np.arange(4)]])
     found[quads[other]] = begins[other] + np.array([0, 1, 3], dtype=np.int32)
     rest = np.where(other[:, None], np.array([1, 2, 3]), np.array([0, 2, 3]))
     found[quads + 1] = begins + rest
@@ -181,7 +181,7 @@ def _are_turned(there: Singles, here: Singles) -> NDArray[np.bool_]:
     return found
 
 
-def _bent_inwards(corners: Singles) -> NDArray[np.bool_]:
+def _bent_inward(corners: Singles) -> NDArray[np.bool_]:
     """Which quads (q, 4, 3) do not have the line from their first to their third corner inside."""
     second, third, fourth = (corners[:, k] - corners[:, 0] for k in (1, 2, 3))
     sides = np.cross(second, third), np.cross(fourth, third)
@@ -201,7 +201,7 @@ def surface_of_raw(
         ScatterError: values can be no density.
     """
     cut = triangle_corners(mesh)
-    if mesh.is_mirrored:  # a mirrored surface still faces outwards
+    if mesh.is_mirrored:  # a mirrored surface still faces outward
         cut = cut[:, ::-1]
     around = Surroundings() if around is None else around
     if uv is not None:
@@ -300,7 +300,7 @@ def laid_image(images: Sequence[RawImage], channel: str) -> dict[str, Any]:
 
 
 def shade(image: RawImage, channel: str) -> Floats:
-    """What of an image (rows, columns) is a density: brightness times opacity, or a channel.
+    """The density of an image (rows, columns): brightness times opacity, or a channel.
 
     Raises:
         ScatterError: there is none of it, or it is no density.

@@ -32,7 +32,7 @@ class Report:
     alpha_min: float = 0.0
     alpha_mean: float = 0.0
     capacity_variation: float = 0.0
-    whole_count_variation: float = 0.0  # what of it whole numbers of points on separate parts make
+    whole_count_variation: float = 0.0  # share caused by integer counts on separate parts
     thin_share: float = 0.0  # of the points: those on parts thinner than the spacing
     doubled_faces: int = 0  # of the surface, which do not count
     evaluations: int = 0

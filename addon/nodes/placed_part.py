@@ -2,7 +2,7 @@
 """Node group: the geometry of one object -> its mesh where it belongs on a joined surface.
 
 Instances and curves are left out: what is scattered on is the mesh. Faces of a mirrored part are
-turned over, so that all face outwards. Rest positions are put into a cell of their own: parts that
+turned over, so that all face outward. Rest positions are put into a cell of their own: parts that
 are copies of each other have the same.
 """
 

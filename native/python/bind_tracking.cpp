@@ -157,7 +157,7 @@ PopulationState state_from(const py::dict& given) {
           .densities = all(doubles("state.densities", of("densities"), 0)),
           .next_id = of("next_id").cast<std::int64_t>(),
           .settled = of("settled").cast<bool>(),
-          .faces_digest = given.contains("faces_digest")  // not in states of before
+          .faces_digest = given.contains("faces_digest")  // missing in older states
                               ? of("faces_digest").cast<std::int64_t>()
                               : 0};
 }

@@ -127,7 +127,7 @@ def is_asked(obj: bpy.types.Object) -> bool:
 
 
 def forget(obj: bpy.types.Object) -> None:
-    """Give up what is done for a scatter: it was solved otherwise."""
+    """Discard the work on a scatter: it was solved otherwise."""
     _state.asked.pop(obj.session_uid, None)
     _state.schedule.forget(obj.session_uid)
     if _state.job is not None and _state.job.scatter.uid == obj.session_uid:
@@ -296,7 +296,7 @@ def _leaving(*_arguments: Any) -> None:
 
 
 def _render_begins() -> None:
-    """The worker stops; the scatter has its turn again afterwards."""
+    """The worker stops; the scatter has its turn again afterward."""
     if _state.job is not None:
         _state.schedule.change(_state.job.scatter.uid)
         _give_up()

@@ -145,7 +145,7 @@ def _draw_material_note(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
 
 
 def _draw_shown(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """Show Density, and what of it is shown."""
+    """Show Density, and the term that it shows."""
     is_on = overlay.is_on(obj)
     layout.operator(DAPPLE_OT_show_density.bl_idname, icon="OVERLAY", depress=is_on)
     if is_on:

@@ -52,7 +52,7 @@ def contents(obj: bpy.types.Object, now: Sources) -> tuple[list[str], str]:
 
 
 def _compared(obj: bpy.types.Object, before: Sources, now: Sources) -> tuple[list[str], str]:
-    """Reasons, and a note of what differs from the frame of before as what moves does."""
+    """Reasons, and a note of inputs that differ from the previous frame because they move."""
     roles = [role for role in differing(before, now) if role != "faces"]
     same = before.exact.get("faces") == now.exact.get("faces")
     roles = [role for role in roles if not (role == "scale" if same else is_of_faces(role))]

@@ -39,7 +39,7 @@ def _edited_reason(obj: bpy.types.Object, present: Present) -> str:
 def _placed_reason(obj: bpy.types.Object) -> str:
     if obj.dapple.baked_keys or touched_places(obj) is None:
         return ""
-    return solve_again(obj, told("Points were placed by hand, and others are not even around them"))
+    return solve_again(obj, told("Points were placed by hand; their neighbors are uneven"))
 
 
 def _added_or_removed(added: int) -> str:

@@ -31,7 +31,7 @@ class Added:
     """What Add has made."""
 
     obj: bpy.types.Object
-    note: str  # what of the Default preset was left out, and why; empty if nothing was
+    note: str  # skipped settings of the Default preset, and why; empty if none
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,7 @@ def surface_for(scatter: bpy.types.Object) -> Iterator[Held]:
 
 @contextmanager
 def renewed(surface: Held) -> Iterator[None]:
-    """Have a joined surface consist of what it is to, also afterwards if nothing fails."""
+    """Have a joined surface consist of what it is to, also afterward if nothing fails."""
     obj = surface.get()
     if not is_joined(obj) or read_only(obj):
         yield

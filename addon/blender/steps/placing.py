@@ -60,7 +60,7 @@ def _own_mesh(obj: bpy.types.Object) -> None:
 
 
 def _remove(before: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
-    """Take the mesh of before out of the file if nothing else has it; the other has its name."""
+    """Remove the previous mesh from the file if nothing else has it; the other has its name."""
     if not before.users:
         name = before.name
         bpy.data.meshes.remove(before)

@@ -18,7 +18,7 @@ from .presets import fits, folder, type_properties
 def first_values(
     surface: bpy.types.Object, context: bpy.types.Context
 ) -> tuple[presets.Values, str]:
-    """What new scatters over a surface begin with, and what of the Default preset is left out.
+    """Settings of new scatters on a surface, and those of the Default preset that are skipped.
 
     Nothing where no default was saved.
     """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solutions that the session remembers: what has changed since then is found by comparing them.
 
-They are kept by the points that they belong to, so that an undo finds those of before. Files do not
-have them.
+They are kept by the points that they belong to, so that an undo finds the previous
+ones. Files do not have them.
 """
 
 from collections import OrderedDict

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of an object is the same on all frames, so that a bake need not read it again."""
+"""Data of an object that are the same on all frames, so that a bake need not read them again."""
 
 from collections.abc import Iterable
 

@@ -87,7 +87,7 @@ def as_read(
 
 @contextmanager
 def frame_kept(scene: bpy.types.Scene, show: float | None = None) -> Iterator[None]:
-    """Have a scene show the same frame afterwards, and inside the given time, if there is one."""
+    """Have a scene show the same frame afterward, and inside the given time, if there is one."""
     uid, frame, subframe = scene.session_uid, scene.frame_current, scene.frame_subframe
     try:
         if show is not None:

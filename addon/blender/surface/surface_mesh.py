@@ -67,7 +67,7 @@ def read_surface(
             loops = like.loops
         else:
             loops = _triangles(mesh, points, corners) if cut else np.empty((0, 3), dtype=np.int32)
-            if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
+            if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outward
                 loops = np.ascontiguousarray(loops[:, ::-1])
         raw = _stored_values(obj, mesh, names, materials)
         on_faces = any(one.domain != "POINT" for one in raw)

@@ -117,7 +117,7 @@ def _simplified(scene: bpy.types.Scene) -> bool:
 
 @contextmanager
 def _render_mesh(obj: bpy.types.Object, context: bpy.types.Context) -> Iterator[bpy.types.Mesh]:
-    """The mesh that a render would get, from a copy in a scene that is gone afterwards."""
+    """The mesh that a render would get, from a copy in a scene that is gone afterward."""
     copy, scene = obj.copy(), bpy.data.scenes.new("Dapple Render Topology")
     data = obj.data.copy() if obj.type in _CURVES else None
     try:

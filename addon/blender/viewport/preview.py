@@ -184,7 +184,7 @@ def _touched(*_arguments: Any) -> None:
 
 
 def _render_begins() -> None:
-    """Workers stop; the surfaces are looked at again afterwards."""
+    """Workers stop; the surfaces are looked at again afterward."""
     _state.dirty = True
     for preview in _state.previews.values():
         if preview.job is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a scatter's density is shown, and what that depends on."""
+"""The term of a scatter's density that is shown, and its inputs."""
 
 from dataclasses import dataclass, replace
 

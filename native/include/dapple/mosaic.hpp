@@ -24,20 +24,19 @@ struct Tile {
 enum class TileSide : std::int32_t { kTop, kWall, kBottom };
 
 struct MosaicOptions {
-  /// Width of the gap between neighboring tiles, measured in space across the plane half-way
-  /// between their sites; there is none where the surface ends.
+  /// Width of the gap between neighboring tiles, measured across the bisector of their sites; there
+  /// is no gap at borders of the surface.
   double grout = 0.0;  // expert, >= 0, units of the surface
-  /// How far tiles rise along their normals, as closed bodies; 0: they lie in the surface.
+  /// Thickness of tiles along their normals, as closed bodies; 0 leaves them flat in the surface.
   double thickness = 0.0;  // expert, >= 0, units of the surface
-  /// Edges of a tile that are shorter are removed.
+  /// Shorter edges of a tile are removed.
   double shortest_edge = 1e-3;  // expert, >= 0, spacings
-  /// Polygons of a tile in one plane become one.
+  /// Merge the polygons of a tile that lie in one plane.
   bool merge = true;  // expert
-  /// Which site a part of the surface belongs to: one that it is connected to along the surface, or
-  /// the nearest in space, as in the paper.
+  /// Owner of a part of the surface: the nearest site that it is connected to along the surface, or
+  /// the nearest site in space as in the paper.
   Cells cells = Cells::kConnected;  // expert
-  /// How many work at once; 0 is as many as the machine has, and the result is the same bytes for
-  /// any number.
+  /// Number of threads; 0 uses all processors. The result has the same bytes for any number.
   int threads = 0;  // expert, 0..kMostThreads, same result
   std::vector<double> insets =
       {};  ///< per sample: additional distance of its tile from the borders of the cell; or empty

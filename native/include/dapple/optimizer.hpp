@@ -17,36 +17,35 @@ enum class Method {
 };
 
 struct OptimizerOptions {
-  /// Lambda, the weight of equal capacities: more of it is less like a lattice; 20 to 100 are
+  /// Lambda, the weight of equal capacities: larger values look less like a lattice; 20 to 100 are
   /// useful.
   double capacity_weight = 30.0;  // basic, >= 0
   /// Kappa, the weight of the repulsion that keeps neighbors apart; 0 is the paper's plain energy.
   double repulsion_weight = 3.0;  // basic, >= 0
   /// Distance below which sites repel each other.
   double repulsion_radius = 0.72;  // internal, >= 0, local spacings
-  /// Relative decrease of the energy at which to stop: less is more regular, and slower.
+  /// Relative decrease of the energy at which to stop: smaller values are more regular and slower.
   double tolerance = 5e-5;  // basic, >= 0
   /// Steps in a row that decrease the energy by no more than the tolerance before it stops: one
   /// small step alone is no convergence.
   int patience = 2;  // internal, >= 1
-  /// Most evaluations of the energy; of a motion for each frame, or part of one.
+  /// Maximal number of evaluations of the energy; for motions per frame, or part of a frame.
   int max_evaluations = 200;  // basic, >= 1
   /// Steps that L-BFGS remembers.
   int history = 7;  // internal, >= 0
   /// Longest move of a site in one step.
   double max_step = 0.5;  // internal, >= 0, local spacings
   // Farther than the local spacing of the surface none goes either.
-  /// Farthest that a sample may slide from its start, which is where the surface carries it in a
-  /// frame: after a violent frame evenness is caught up over the next ones.
+  /// Largest distance that a sample may slide from the position to which the surface carries it in
+  /// a frame; after a violent frame, evenness is restored over the next ones.
   double max_slide = kInfinite;  // expert, 0..kInfinite, local spacings
   // sum m_k |x_k - start_k|^2, where m_k is the cell's integral of phi^2 at the start
-  /// Gamma, the weight of staying at the start, which is where the surface carries a sample: more
-  /// of it, less slide and less even; 1 is the weight of E_cvt.
+  /// Gamma, the weight that holds a sample where the surface carries it: larger values slide less
+  /// and are less even; 1 is the weight of E_cvt.
   double stickiness = 0.0;  // basic, >= 0
   /// Stop once the normalized energy is not above it.
   double target_energy = -kInfinite;  // internal, -kInfinite..kInfinite
-  /// How a step is found: within a trust region, or by plain L-BFGS with a line search, as in the
-  /// paper.
+  /// Method of finding a step: a trust region, or plain L-BFGS with a line search as in the paper.
   Method method = Method::kTrustRegion;  // expert
 };
 

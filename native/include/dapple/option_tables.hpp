@@ -36,41 +36,42 @@ inline constexpr std::tuple kMosaicOptions = {
            {0, kFinite},
            "units of the surface",
            Level::kExpert,
-           "Width of the gap between neighboring tiles, measured in space across the plane "
-           "half-way between their sites; there is none where the surface ends."},
+           "Width of the gap between neighboring tiles, measured across the bisector of their "
+           "sites; there is no gap at borders of the surface."},
     Option{"thickness",
            &MosaicOptions::thickness,
            {0, kFinite},
            "units of the surface",
            Level::kExpert,
-           "How far tiles rise along their normals, as closed bodies; 0: they lie in the surface."},
+           "Thickness of tiles along their normals, as closed bodies; 0 leaves them flat in the "
+           "surface."},
     Option{"shortest_edge",
            &MosaicOptions::shortest_edge,
            {0, kFinite},
            "spacings",
            Level::kExpert,
-           "Edges of a tile that are shorter are removed."},
+           "Shorter edges of a tile are removed."},
     Option{"merge",
            &MosaicOptions::merge,
            {},
            "",
            Level::kExpert,
-           "Polygons of a tile in one plane become one."},
+           "Merge the polygons of a tile that lie in one plane."},
     Option{"cells",
            &MosaicOptions::cells,
            {},
            "",
            Level::kExpert,
-           "Which site a part of the surface belongs to: one that it is connected to along the "
-           "surface, or the nearest in space, as in the paper."},
-    Option{"threads",
-           &MosaicOptions::threads,
-           {0, kMostThreads},
-           "",
-           Level::kExpert,
-           "How many work at once; 0 is as many as the machine has, and the result is the same "
-           "bytes for any number.",
-           false}};
+           "Owner of a part of the surface: the nearest site that it is connected to along the "
+           "surface, or the nearest site in space as in the paper."},
+    Option{
+        "threads",
+        &MosaicOptions::threads,
+        {0, kMostThreads},
+        "",
+        Level::kExpert,
+        "Number of threads; 0 uses all processors. The result has the same bytes for any number.",
+        false}};
 
 constexpr const auto& options_of(const MosaicOptions&) { return kMosaicOptions; }
 
@@ -80,8 +81,8 @@ inline constexpr std::tuple kOptimizerOptions = {
            {0, kFinite},
            "",
            Level::kBasic,
-           "Lambda, the weight of equal capacities: more of it is less like a lattice; 20 to 100 "
-           "are useful."},
+           "Lambda, the weight of equal capacities: larger values look less like a lattice; 20 to "
+           "100 are useful."},
     Option{"repulsion_weight",
            &OptimizerOptions::repulsion_weight,
            {0, kFinite},
@@ -100,7 +101,8 @@ inline constexpr std::tuple kOptimizerOptions = {
            {0, kFinite},
            "",
            Level::kBasic,
-           "Relative decrease of the energy at which to stop: less is more regular, and slower."},
+           "Relative decrease of the energy at which to stop: smaller values are more regular and "
+           "slower."},
     Option{"patience",
            &OptimizerOptions::patience,
            {1, kFinite},
@@ -108,12 +110,13 @@ inline constexpr std::tuple kOptimizerOptions = {
            Level::kInternal,
            "Steps in a row that decrease the energy by no more than the tolerance before it stops: "
            "one small step alone is no convergence."},
-    Option{"max_evaluations",
-           &OptimizerOptions::max_evaluations,
-           {1, kFinite},
-           "",
-           Level::kBasic,
-           "Most evaluations of the energy; of a motion for each frame, or part of one."},
+    Option{
+        "max_evaluations",
+        &OptimizerOptions::max_evaluations,
+        {1, kFinite},
+        "",
+        Level::kBasic,
+        "Maximal number of evaluations of the energy; for motions per frame, or part of a frame."},
     Option{"history",
            &OptimizerOptions::history,
            {0, kFinite},
@@ -126,20 +129,21 @@ inline constexpr std::tuple kOptimizerOptions = {
            "local spacings",
            Level::kInternal,
            "Longest move of a site in one step."},
-    Option{"max_slide",
-           &OptimizerOptions::max_slide,
-           {0, kInfinite},
-           "local spacings",
-           Level::kExpert,
-           "Farthest that a sample may slide from its start, which is where the surface carries it "
-           "in a frame: after a violent frame evenness is caught up over the next ones."},
+    Option{
+        "max_slide",
+        &OptimizerOptions::max_slide,
+        {0, kInfinite},
+        "local spacings",
+        Level::kExpert,
+        "Largest distance that a sample may slide from the position to which the surface carries "
+        "it in a frame; after a violent frame, evenness is restored over the next ones."},
     Option{"stickiness",
            &OptimizerOptions::stickiness,
            {0, kFinite},
            "",
            Level::kBasic,
-           "Gamma, the weight of staying at the start, which is where the surface carries a "
-           "sample: more of it, less slide and less even; 1 is the weight of E_cvt."},
+           "Gamma, the weight that holds a sample where the surface carries it: larger values "
+           "slide less and are less even; 1 is the weight of E_cvt."},
     Option{"target_energy",
            &OptimizerOptions::target_energy,
            {-kInfinite, kInfinite},
@@ -151,48 +155,49 @@ inline constexpr std::tuple kOptimizerOptions = {
            {},
            "",
            Level::kExpert,
-           "How a step is found: within a trust region, or by plain L-BFGS with a line search, as "
-           "in the paper."}};
+           "Method of finding a step: a trust region, or plain L-BFGS with a line search as in the "
+           "paper."}};
 
 constexpr const auto& options_of(const OptimizerOptions&) { return kOptimizerOptions; }
 
 inline constexpr std::tuple kTrackerOptions = {
-    Option{"union_weight",
-           &TrackerOptions::union_weight,
-           {0, kFinite},
-           "",
-           Level::kExpert,
-           "Mu, the weight of the evenness of all classes together against that of each."},
+    Option{
+        "union_weight",
+        &TrackerOptions::union_weight,
+        {0, kFinite},
+        "",
+        Level::kExpert,
+        "Mu, the weight of the evenness of all classes together, relative to that of each class."},
     Group{&TrackerOptions::optimizer},
     Option{"pattern_strength",
            &TrackerOptions::pattern_strength,
            {0, 1},
            "",
            Level::kExpert,
-           "How strongly samples return to the first frame's pattern where a deformation has gone; "
-           "0 lets it drift."},
+           "How strongly samples return to the pattern of the first frame after a deformation; 0 "
+           "lets it drift."},
     Option{"longest_motion",
            &TrackerOptions::longest_motion,
            {0, kFinite},
            "sizes of the surface",
            Level::kExpert,
-           "Farthest that the surface's shape may move at once, apart from moving as a whole, "
-           "scaling and mirroring: a frame on which it moves farther is split; 0 never splits."},
+           "Largest motion of the surface's shape in one step, not counting rigid motion, scaling "
+           "and mirroring: frames with larger motion are split; 0 never splits."},
     Option{"cells",
            &TrackerOptions::cells,
            {},
            "",
            Level::kExpert,
-           "Which site a part of the surface belongs to: one that it is connected to along the "
-           "surface, or the nearest in space, as in the paper."},
-    Option{"threads",
-           &TrackerOptions::threads,
-           {0, kMostThreads},
-           "",
-           Level::kExpert,
-           "How many work at once; 0 is as many as the machine has, and the result is the same "
-           "bytes for any number.",
-           false}};
+           "Owner of a part of the surface: the nearest site that it is connected to along the "
+           "surface, or the nearest site in space as in the paper."},
+    Option{
+        "threads",
+        &TrackerOptions::threads,
+        {0, kMostThreads},
+        "",
+        Level::kExpert,
+        "Number of threads; 0 uses all processors. The result has the same bytes for any number.",
+        false}};
 
 constexpr const auto& options_of(const TrackerOptions&) { return kTrackerOptions; }
 
@@ -202,14 +207,14 @@ inline constexpr std::tuple kPopulationOptions = {
            {1, kFinite},
            "frames",
            Level::kExpert,
-           "How long a sample takes to appear or to vanish."},
+           "Duration in which a sample appears or vanishes."},
     Option{"reach",
            &PopulationOptions::reach,
            {0, kFinite},
            "local spacings",
            Level::kExpert,
-           "How far from a sample its surface may be in a frame of other faces, unless that part "
-           "of it moves farther as a whole; a sample without a surface vanishes."},
+           "Largest distance from a sample to its surface in a frame with other faces, unless that "
+           "part of the surface moves farther as a whole; a sample without a surface vanishes."},
     Group{&PopulationOptions::tracker}};
 
 constexpr const auto& options_of(const PopulationOptions&) { return kPopulationOptions; }
@@ -220,33 +225,33 @@ inline constexpr std::tuple kImageOptions = {
            {},
            "",
            Level::kExpert,
-           "The picture goes on periodically; otherwise its border does."},
+           "Repeat the picture periodically; otherwise its border pixels continue."},
     Option{"max_error",
            &ImageOptions::max_error,
            {0, kFinite, true},
            "",
            Level::kExpert,
-           "How far the density may be off at a point, relative to the picture's maximum, and "
-           "twice how far the capacity of a face may be off, relative to itself."},
+           "Largest error of the density at a point, relative to the picture's maximum; the "
+           "relative error of a face's capacity is at most half of it."},
     Option{"texels",
            &ImageOptions::texels,
            {0, kFinite, true},
            "pixels",
            Level::kExpert,
-           "Edges this short or shorter stay whole."},
+           "Edges of this length or shorter are not cut."},
     Option{"shortest",
            &ImageOptions::shortest,
            {0, kFinite},
            "",
            Level::kExpert,
            "The same on the surface, in the units of its vertices: detail far finer than the "
-           "spacing of samples costs time and changes nothing."},
+           "spacing of samples costs time without effect."},
     Option{"max_faces",
            &ImageOptions::max_faces,
            {1, kMostRefinedFaces},
            "",
            Level::kExpert,
-           "Most faces; what would take more stays coarser, and resolved is False."}};
+           "Maximal number of faces; beyond it the rest stays coarser, and resolved is False."}};
 
 constexpr const auto& options_of(const ImageOptions&) { return kImageOptions; }
 
@@ -256,28 +261,29 @@ inline constexpr std::tuple kRelaxOptions = {
            {0, kFinite},
            "",
            Level::kBasic,
-           "Of the random start: another number, another set just as even."},
-    Option{"union_weight",
-           &RelaxOptions::union_weight,
-           {0, kFinite},
-           "",
-           Level::kExpert,
-           "Mu, the weight of the evenness of all classes together against that of each."},
+           "Random seed. Quality does not depend on it."},
+    Option{
+        "union_weight",
+        &RelaxOptions::union_weight,
+        {0, kFinite},
+        "",
+        Level::kExpert,
+        "Mu, the weight of the evenness of all classes together, relative to that of each class."},
     Option{"free_counts",
            &RelaxOptions::free_counts,
            {},
            "",
            Level::kExpert,
-           "Classes get as many samples as fit those around, not as many as they count."},
+           "Counts of classes are free: new samples match their neighbors' capacity."},
     Group{&RelaxOptions::optimizer},
-    Option{"threads",
-           &RelaxOptions::threads,
-           {0, kMostThreads},
-           "",
-           Level::kExpert,
-           "How many work at once; 0 is as many as the machine has, and the result is the same "
-           "bytes for any number.",
-           false}};
+    Option{
+        "threads",
+        &RelaxOptions::threads,
+        {0, kMostThreads},
+        "",
+        Level::kExpert,
+        "Number of threads; 0 uses all processors. The result has the same bytes for any number.",
+        false}};
 
 constexpr const auto& options_of(const RelaxOptions&) { return kRelaxOptions; }
 
@@ -287,23 +293,23 @@ inline constexpr std::tuple kResampleOptions = {
            {0, kFinite},
            "",
            Level::kBasic,
-           "Of the random start: another number, another set just as even."},
+           "Random seed. Quality does not depend on it."},
     Group{&ResampleOptions::optimizer},
     Option{"cells",
            &ResampleOptions::cells,
            {},
            "",
            Level::kExpert,
-           "Which site a part of the surface belongs to: one that it is connected to along the "
-           "surface, or the nearest in space, as in the paper."},
-    Option{"threads",
-           &ResampleOptions::threads,
-           {0, kMostThreads},
-           "",
-           Level::kExpert,
-           "How many work at once; 0 is as many as the machine has, and the result is the same "
-           "bytes for any number.",
-           false}};
+           "Owner of a part of the surface: the nearest site that it is connected to along the "
+           "surface, or the nearest site in space as in the paper."},
+    Option{
+        "threads",
+        &ResampleOptions::threads,
+        {0, kMostThreads},
+        "",
+        Level::kExpert,
+        "Number of threads; 0 uses all processors. The result has the same bytes for any number.",
+        false}};
 
 constexpr const auto& options_of(const ResampleOptions&) { return kResampleOptions; }
 
@@ -313,46 +319,46 @@ inline constexpr std::tuple kSampleOptions = {
            {0, kFinite},
            "",
            Level::kBasic,
-           "Of the random start: another number, another set just as even."},
+           "Random seed. Quality does not depend on it."},
     Group{&SampleOptions::optimizer},
     Option{"start",
            &SampleOptions::start,
            {},
            "",
            Level::kExpert,
-           "Where the optimization begins: with a Poisson-disk set, or with white noise, as in the "
-           "paper."},
+           "Initial positions: a Poisson-disk set, or white noise as in the paper."},
     Option{"cells",
            &SampleOptions::cells,
            {},
            "",
            Level::kExpert,
-           "Which site a part of the surface belongs to: one that it is connected to along the "
-           "surface, or the nearest in space, as in the paper."},
-    Option{"threads",
-           &SampleOptions::threads,
-           {0, kMostThreads},
-           "",
-           Level::kExpert,
-           "How many work at once; 0 is as many as the machine has, and the result is the same "
-           "bytes for any number.",
-           false}};
+           "Owner of a part of the surface: the nearest site that it is connected to along the "
+           "surface, or the nearest site in space as in the paper."},
+    Option{
+        "threads",
+        &SampleOptions::threads,
+        {0, kMostThreads},
+        "",
+        Level::kExpert,
+        "Number of threads; 0 uses all processors. The result has the same bytes for any number.",
+        false}};
 
 constexpr const auto& options_of(const SampleOptions&) { return kSampleOptions; }
 
 inline constexpr std::tuple kClassOptions = {
-    Option{"union_weight",
-           &ClassOptions::union_weight,
-           {0, kFinite},
-           "",
-           Level::kExpert,
-           "Mu, the weight of the evenness of all classes together against that of each."},
+    Option{
+        "union_weight",
+        &ClassOptions::union_weight,
+        {0, kFinite},
+        "",
+        Level::kExpert,
+        "Mu, the weight of the evenness of all classes together, relative to that of each class."},
     Option{"two_stages",
            &ClassOptions::two_stages,
            {},
            "",
            Level::kExpert,
-           "Every class alone first, then all together, as in the paper."},
+           "Optimize every class alone first, then all together, as in the paper."},
     Group{&ClassOptions::sample}};
 
 constexpr const auto& options_of(const ClassOptions&) { return kClassOptions; }
@@ -363,29 +369,29 @@ inline constexpr std::tuple kStippleOptions = {
            {0, kFinite},
            "pixels",
            Level::kExpert,
-           "Of every dot; 0 is where all dots together have the area of the ink that the picture "
-           "asks for."},
+           "Radius of every dot; with 0 all dots together have the area of ink in the picture."},
     Option{"seed",
            &StippleOptions::seed,
            {0, kFinite},
            "",
            Level::kBasic,
-           "Of the random start: another number, another set just as even."},
-    Option{"union_weight",
-           &StippleOptions::union_weight,
-           {0, kFinite},
-           "",
-           Level::kExpert,
-           "Mu, the weight of the evenness of all classes together against that of each."},
+           "Random seed. Quality does not depend on it."},
+    Option{
+        "union_weight",
+        &StippleOptions::union_weight,
+        {0, kFinite},
+        "",
+        Level::kExpert,
+        "Mu, the weight of the evenness of all classes together, relative to that of each class."},
     Group{&StippleOptions::optimizer},
-    Option{"threads",
-           &StippleOptions::threads,
-           {0, kMostThreads},
-           "",
-           Level::kExpert,
-           "How many work at once; 0 is as many as the machine has, and the result is the same "
-           "bytes for any number.",
-           false}};
+    Option{
+        "threads",
+        &StippleOptions::threads,
+        {0, kMostThreads},
+        "",
+        Level::kExpert,
+        "Number of threads; 0 uses all processors. The result has the same bytes for any number.",
+        false}};
 
 constexpr const auto& options_of(const StippleOptions&) { return kStippleOptions; }
 
@@ -395,13 +401,13 @@ inline constexpr std::tuple kWindowOptions = {
            {},
            "",
            Level::kExpert,
-           "The last frame leads back to the first: the loop closes."},
+           "The last frame leads back to the first one, as a closed loop."},
     Option{"sweeps",
            &WindowOptions::sweeps,
            {0, kFinite},
            "",
            Level::kExpert,
-           "Passes forwards and backwards over all frames, after the first."},
+           "Number of passes forward and backward over all frames, after the first one."},
     Group{&WindowOptions::tracker}};
 
 constexpr const auto& options_of(const WindowOptions&) { return kWindowOptions; }

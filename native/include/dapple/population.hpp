@@ -6,10 +6,10 @@
 namespace dapple {
 
 struct PopulationOptions {
-  /// How long a sample takes to appear or to vanish.
+  /// Duration in which a sample appears or vanishes.
   int fade = 12;  // expert, >= 1, frames
-  /// How far from a sample its surface may be in a frame of other faces, unless that part of it
-  /// moves farther as a whole; a sample without a surface vanishes.
+  /// Largest distance from a sample to its surface in a frame with other faces, unless that part of
+  /// the surface moves farther as a whole; a sample without a surface vanishes.
   double reach = 1.0;           // expert, >= 0, local spacings
   TrackerOptions tracker = {};  // options
 };

@@ -8,17 +8,17 @@
 namespace dapple {
 
 struct ImageOptions {
-  /// The picture goes on periodically; otherwise its border does.
+  /// Repeat the picture periodically; otherwise its border pixels continue.
   bool repeat = false;  // expert
-  /// How far the density may be off at a point, relative to the picture's maximum, and twice how
-  /// far the capacity of a face may be off, relative to itself.
+  /// Largest error of the density at a point, relative to the picture's maximum; the relative error
+  /// of a face's capacity is at most half of it.
   double max_error = 0.02;  // expert, > 0
-  /// Edges this short or shorter stay whole.
+  /// Edges of this length or shorter are not cut.
   double texels = 1.0;  // expert, > 0, pixels
   /// The same on the surface, in the units of its vertices: detail far finer than the spacing of
-  /// samples costs time and changes nothing.
+  /// samples costs time without effect.
   double shortest = 0.0;  // expert, >= 0
-  /// Most faces; what would take more stays coarser, and resolved is False.
+  /// Maximal number of faces; beyond it the rest stays coarser, and resolved is False.
   std::size_t max_faces = 1'000'000;  // expert, 1..kMostRefinedFaces
 };
 

@@ -9,15 +9,14 @@
 namespace dapple {
 
 struct RelaxOptions {
-  /// Of the random start: another number, another set just as even.
+  /// Random seed. Quality does not depend on it.
   std::uint64_t seed = 0;  // basic, >= 0
-  /// Mu, the weight of the evenness of all classes together against that of each.
+  /// Mu, the weight of the evenness of all classes together, relative to that of each class.
   double union_weight = 1.0;  // expert, >= 0
-  /// Classes get as many samples as fit those around, not as many as they count.
+  /// Counts of classes are free: new samples match their neighbors' capacity.
   bool free_counts = false;         // expert
   OptimizerOptions optimizer = {};  // options
-  /// How many work at once; 0 is as many as the machine has, and the result is the same bytes for
-  /// any number.
+  /// Number of threads; 0 uses all processors. The result has the same bytes for any number.
   int threads = 0;  // expert, 0..kMostThreads, same result
   /// Number of samples wanted; the difference is made up where something has changed, and
   /// everywhere if it is large. None: chosen so that new samples match their neighbors' capacity.

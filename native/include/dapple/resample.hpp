@@ -6,14 +6,13 @@
 namespace dapple {
 
 struct ResampleOptions {
-  /// Of the random start: another number, another set just as even.
+  /// Random seed. Quality does not depend on it.
   std::uint64_t seed = 0;           // basic, >= 0
   OptimizerOptions optimizer = {};  // options
-  /// Which site a part of the surface belongs to: one that it is connected to along the surface, or
-  /// the nearest in space, as in the paper.
+  /// Owner of a part of the surface: the nearest site that it is connected to along the surface, or
+  /// the nearest site in space as in the paper.
   Cells cells = Cells::kConnected;  // expert
-  /// How many work at once; 0 is as many as the machine has, and the result is the same bytes for
-  /// any number.
+  /// Number of threads; 0 uses all processors. The result has the same bytes for any number.
   int threads = 0;  // expert, 0..kMostThreads, same result
   /// Indices of samples that do not move. New samples may appear between them.
   std::vector<std::int32_t> locked = {};

@@ -17,16 +17,15 @@ enum class Start {
 };
 
 struct SampleOptions {
-  /// Of the random start: another number, another set just as even.
+  /// Random seed. Quality does not depend on it.
   std::uint64_t seed = 0;           // basic, >= 0
   OptimizerOptions optimizer = {};  // options
-  /// Where the optimization begins: with a Poisson-disk set, or with white noise, as in the paper.
+  /// Initial positions: a Poisson-disk set, or white noise as in the paper.
   Start start = Start::kPoisson;  // expert
-  /// Which site a part of the surface belongs to: one that it is connected to along the surface, or
-  /// the nearest in space, as in the paper.
+  /// Owner of a part of the surface: the nearest site that it is connected to along the surface, or
+  /// the nearest site in space as in the paper.
   Cells cells = Cells::kConnected;  // expert
-  /// How many work at once; 0 is as many as the machine has, and the result is the same bytes for
-  /// any number.
+  /// Number of threads; 0 uses all processors. The result has the same bytes for any number.
   int threads = 0;  // expert, 0..kMostThreads, same result
   /// Sites that do not move but take part, with barycentric coordinates; they come first, and the
   /// count includes them.
@@ -59,9 +58,9 @@ struct SampleClass {
 };
 
 struct ClassOptions {
-  /// Mu, the weight of the evenness of all classes together against that of each.
+  /// Mu, the weight of the evenness of all classes together, relative to that of each class.
   double union_weight = 1.0;  // expert, >= 0
-  /// Every class alone first, then all together, as in the paper.
+  /// Optimize every class alone first, then all together, as in the paper.
   bool two_stages = false;  // expert
   // The terms of the classes and of their union compete, which takes a stronger repulsion and more
   // steps than one class.

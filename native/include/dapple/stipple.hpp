@@ -30,16 +30,15 @@ using ColorImage = std::array<Image, 3>;
 struct StippleOptions {
   // With the default 0 the tone is right wherever dots do not overlap. In nearly black areas, where
   // they must, 1.1 times the automatic radius leaves no gap.
-  /// Of every dot; 0 is where all dots together have the area of the ink that the picture asks for.
+  /// Radius of every dot; with 0 all dots together have the area of ink in the picture.
   double radius = 0.0;  // expert, >= 0, pixels
-  /// Of the random start: another number, another set just as even.
+  /// Random seed. Quality does not depend on it.
   std::uint64_t seed = 0;  // basic, >= 0
-  /// Mu, the weight of the evenness of all classes together against that of each.
+  /// Mu, the weight of the evenness of all classes together, relative to that of each class.
   double union_weight = 1.0;  // expert, >= 0
   // A smaller tolerance makes no visible difference.
   OptimizerOptions optimizer = {.tolerance = 2e-4};  // options
-  /// How many work at once; 0 is as many as the machine has, and the result is the same bytes for
-  /// any number.
+  /// Number of threads; 0 uses all processors. The result has the same bytes for any number.
   int threads = 0;  // expert, 0..kMostThreads, same result
   /// Dots of each ink; empty: in proportion to the sums of the coverages, by largest remainders.
   std::vector<std::size_t> counts = {};

@@ -10,21 +10,20 @@
 namespace dapple {
 
 struct TrackerOptions {
-  /// Mu, the weight of the evenness of all classes together against that of each.
+  /// Mu, the weight of the evenness of all classes together, relative to that of each class.
   double union_weight = 1.0;  // expert, >= 0
   // Within one frame no sample slides by half a spacing, which would be a jump.
   OptimizerOptions optimizer = {.max_evaluations = 6, .max_slide = 0.45};  // options
-  /// How strongly samples return to the first frame's pattern where a deformation has gone; 0 lets
-  /// it drift.
+  /// How strongly samples return to the pattern of the first frame after a deformation; 0 lets it
+  /// drift.
   double pattern_strength = 0.8;  // expert, 0..1
-  /// Farthest that the surface's shape may move at once, apart from moving as a whole, scaling and
-  /// mirroring: a frame on which it moves farther is split; 0 never splits.
+  /// Largest motion of the surface's shape in one step, not counting rigid motion, scaling and
+  /// mirroring: frames with larger motion are split; 0 never splits.
   double longest_motion = 0.02;  // expert, >= 0, sizes of the surface
-  /// Which site a part of the surface belongs to: one that it is connected to along the surface, or
-  /// the nearest in space, as in the paper.
+  /// Owner of a part of the surface: the nearest site that it is connected to along the surface, or
+  /// the nearest site in space as in the paper.
   Cells cells = Cells::kConnected;  // expert
-  /// How many work at once; 0 is as many as the machine has, and the result is the same bytes for
-  /// any number.
+  /// Number of threads; 0 uses all processors. The result has the same bytes for any number.
   int threads = 0;  // expert, 0..kMostThreads, same result
   /// Densities and radii of the samples' classes (counts are the samples'). None: they are of one
   /// class, whatever they say.

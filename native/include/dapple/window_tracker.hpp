@@ -6,9 +6,9 @@
 namespace dapple {
 
 struct WindowOptions {
-  /// The last frame leads back to the first: the loop closes.
+  /// The last frame leads back to the first one, as a closed loop.
   bool closed = false;  // expert
-  /// Passes forwards and backwards over all frames, after the first.
+  /// Number of passes forward and backward over all frames, after the first one.
   int sweeps = 2;  // expert, >= 0
   TrackerOptions tracker = {
       .optimizer = {.max_evaluations = 6, .max_slide = 0.45, .stickiness = 1.0}};  // options

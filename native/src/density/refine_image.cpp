@@ -122,8 +122,8 @@ class Picture {
 };
 
 /// Whether linear interpolation between the triangle's corners is off by more than allowed,
-/// of the maximum, at some point of a lattice, or by more than half of it, of the mean, on average:
-/// without the second a convex picture would become heavier everywhere.
+/// relative to the maximum, at some point of a lattice, or on average by more than half of the
+/// tolerance, relative to the mean. Without the second test convex pictures would gain mass.
 class Deviation {
  public:
   Deviation(const Picture& picture, const PixelTriangle& t)

@@ -18,9 +18,9 @@ struct Discs {
 /// The repulsion between discs: r_ij is R, and all pairs count, whether their cells touch or not.
 [[nodiscard]] Repulsion evaluate_disc_repulsion(const Discs& discs, double weight);
 
-/// Change moves so that no two discs come nearer than R, and those that overlap come apart. To
-/// first order only: what a step along a curved surface leaves is for the next one.
-/// \param locked per site, whether it stays; empty: none
+/// Change moves so that no two discs come closer than R, and overlapping ones separate. To first
+/// order only: errors of a step along a curved surface are left to the next step. \param locked per
+/// site, whether it stays; empty: none
 void keep_discs_apart(const Discs& discs, const std::vector<bool>& locked, Vectors& moves);
 
 }  // namespace dapple

@@ -8,8 +8,7 @@
 
 namespace dapple {
 
-/// A face has hardly any area where it is a needle, but it may reach so far that the squares of
-/// distances in it are beyond the range of numbers.
+/// A needle has hardly any area, but may be so long that squares of distances in it overflow.
 /// \param energy the sum over the cells
 /// \param members indices of the cells' sites; empty if they are all of them
 /// \throw SurfaceError naming the first site with such a cell

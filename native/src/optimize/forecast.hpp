@@ -6,7 +6,7 @@
 
 namespace dapple {
 
-/// Foretells from how the decreases of the energy fall how many evaluations there will be. Nothing
+/// Predicts the number of evaluations from the decreases of the energy. Nothing
 /// but the progress depends on it.
 class Forecast {
  public:
@@ -37,7 +37,7 @@ class Forecast {
   std::vector<double> logs_;  // of c, at each iteration
 };
 
-/// About how many evaluations an optimization takes that begins at a Poisson-disk start.
+/// The approximate number of evaluations of an optimization from a Poisson-disk start.
 [[nodiscard]] double expected_evaluations(const OptimizerOptions& options);
 
 }  // namespace dapple

@@ -46,7 +46,7 @@ double largest(const Vectors& v) {
   return most;
 }
 
-/// The mean of a term's diagonal, of the first that weighs anything.
+/// The mean diagonal of the first term with positive weight.
 double unit_of(const Objective& objective, const Evaluation& state) {
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     const RestrictedVoronoi& diagram = state.parts[t].energy.diagram;
@@ -58,7 +58,7 @@ double unit_of(const Objective& objective, const Evaluation& state) {
 
 }  // namespace
 
-// Divided by the mean of a diagonal, all is of the order of 1 in whatever units.
+// Divided by the mean of a diagonal, all values are of order 1 in any units.
 void GaussNewton::update(const Objective& objective, const Evaluation& state, int steps,
                          const Context* context) {
   steps_ = steps;

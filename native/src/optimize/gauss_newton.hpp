@@ -54,7 +54,7 @@ class GaussNewton {
   const Context* context_ = nullptr;
   double unit_ = 1.0;  // all entries are divided by it
   std::vector<TangentBasis> bases_;
-  std::vector<double> masses_;  // what delta multiplies on the diagonal
+  std::vector<double> masses_;  // factors of delta on the diagonal
   std::vector<double> held_;    // what is added to it; empty: nothing
   std::vector<CapacityJacobian> terms_;
   std::vector<std::size_t> side_starts_;  // rows of sides_, one more than sites

@@ -48,8 +48,8 @@ std::vector<std::size_t> worst_sites(const std::vector<double>& rise) {
   return order;
 }
 
-/// Where cells change pieces the energy jumps, and one such place would stop all sites: if few
-/// cells alone are to blame for a step that failed, only the sites beside them are held back.
+/// The energy jumps where cells exchange pieces, and one such place would stop all sites. If few
+/// cells cause a step to fail, only the sites beside them are held back.
 bool hold_back(const Objective& objective, const Evaluation& from, const Evaluation& next,
                double slope, Vectors& direction) {
   const std::vector<double> before = energy_shares(objective, from);

@@ -16,11 +16,11 @@ struct Minimum {
   std::vector<double> energies;  ///< see OptimizerResult
   int evaluations = 0;
   int iterations = 0;
-  bool settled = false;    ///< nothing is gained by going on: converged, or no step is found
+  bool settled = false;    ///< no further decrease: converged, or no step was found
   bool converged = false;  ///< see OptimizerResult
 };
 
-/// What only a frame of a deforming surface has.
+/// Data of a frame of a deforming surface.
 struct Tracked {
   /// Where sites are held by max_slide and stickiness; null: at the start.
   const Sites* home = nullptr;
@@ -28,7 +28,7 @@ struct Tracked {
   const Restoration* restoration = nullptr;
 };
 
-/// What the target energy alone does not say.
+/// Criteria beside the target energy.
 struct Aim {
   double variation = std::numeric_limits<double>::infinity();  ///< of the capacities, at most
 };

@@ -36,7 +36,7 @@ void add(const Objective& objective, std::size_t term, const Part& part, Evaluat
   });
 }
 
-/// Of lambda (sum (m_i - t_i)^2 + |S|_phi^2 / n): the part that the capacities wanted change.
+/// The part of lambda (sum (m_i - t_i)^2 + |S|_phi^2 / n) that target capacities add.
 void add_wanted(const Objective& objective, std::size_t term, const Part& part, Evaluation& state) {
   const Term& of = objective.terms[term];
   if (of.wanted.empty()) return;
@@ -291,8 +291,8 @@ void stick(Objective& objective, Evaluation& state, Vectors anchors, double gamm
   add_up(objective, state);
 }
 
-// Nothing is nearer to a disc than the sum of its radius and the smallest: its cell holds the
-// hexagon around half of that. Where the smallest is 0, points may be near each other.
+// No site is nearer to a disc than its radius plus the smallest radius, so its cell contains the
+// hexagon around half of that. If the smallest radius is 0, points may be close together.
 void give_room(Objective& objective, Evaluation& state) {
   if (objective.discs.empty()) return;
   const double least = *std::min_element(objective.discs.begin(), objective.discs.end());

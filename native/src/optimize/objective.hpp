@@ -7,7 +7,7 @@
 
 namespace dapple {
 
-/// A set of sites that is to be even by itself: all of them, or those of one class.
+/// A set of sites to be spaced evenly: all of them, or those of one class.
 struct Term {
   const Domain* domain;                    ///< with the density of the set
   std::vector<std::int32_t> members = {};  ///< of all sites; empty: every site
@@ -15,11 +15,11 @@ struct Term {
   double repulsion_radius = 0.0;    ///< distance below which its repulsion acts, in local spacings
   double repulsion_weight = 0.0;    ///< kappa
   std::vector<double> radii = {};   ///< of each member's repulsion; empty: nothing repels yet
-  std::vector<double> wanted = {};  ///< capacity of each member's cell; empty: as much for all
+  std::vector<double> wanted = {};  ///< target capacity of each member's cell; empty: equal for all
 };
 
-/// What is minimized: sum over the terms of weight * n / |S|_phi^2 * (E + E_rep), each over its own
-/// sites and density, and the repulsion between discs.
+/// The minimized function: sum over the terms of weight * n / |S|_phi^2 * (E + E_rep), each over
+/// its own sites and density, and the repulsion between discs.
 struct Objective {
   double capacity_weight = 0.0;  ///< lambda
   double cvt_weight = 1.0;       ///< s, of E_cvt; see Restoration
@@ -29,8 +29,8 @@ struct Objective {
   std::vector<std::int32_t> classes = {};  ///< per site; empty if there is one home
   std::vector<double> discs = {};          ///< radius of each site's disc; empty if none has one
   double discs_weight = 0.0;
-  bool holds_discs = false;  ///< whether no step may bring two discs nearer than they may be
-  Vectors anchors = {};      ///< where stickiness holds the sites; empty without it
+  bool holds_discs = false;             ///< whether no step may make two discs overlap
+  Vectors anchors = {};                 ///< where stickiness holds the sites; empty without it
   std::vector<double> stickiness = {};  ///< of each: adds its product with |x_k - anchor_k|^2
   std::vector<bool> locked = {};        ///< per site, whether it stays where it is; empty: none
 
@@ -39,26 +39,26 @@ struct Objective {
   /// To normalized units: n / |S|_phi^2, times the term's weight.
   [[nodiscard]] double scale(std::size_t term, std::size_t sites) const;
 
-  /// The nearest points where each site may be.
+  /// The nearest points of each site's domain.
   /// \param hints faces near the points
   /// \param which sites the points are of; empty: of all, in order
   [[nodiscard]] Sites project(const Vectors& points, std::span<const std::int32_t> hints,
                               std::span<const std::int32_t> which = {},
                               const Context* context = nullptr) const;
 
-  /// Remove what is not a move along the surface of a site that may move.
+  /// Remove the normal part of moves, and moves of locked sites.
   void restrict(Vectors& v, const Vectors& normals) const;
 };
 
 /// The chosen sites.
 [[nodiscard]] Sites select(const Sites& sites, std::span<const std::int32_t> members);
-/// The same in the memory that `chosen` has.
+/// The same in the memory of `chosen`.
 void select(const Sites& sites, std::span<const std::int32_t> members, Sites& chosen);
 
 /// Put chosen sites back: the inverse of select().
 void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen);
 
-/// Put more sites after those that are there.
+/// Append sites.
 void append(Sites& sites, const Sites& more);
 
 /// One term at given sites.
@@ -82,7 +82,7 @@ struct Evaluation {
 
 [[nodiscard]] Evaluation evaluate(const Objective& objective, Sites sites, Context* context);
 
-/// The same in the memory that `state` has, whatever it held.
+/// The same in the memory of `state`, whose contents are discarded.
 void update(Evaluation& state, const Objective& objective, Sites sites, Context* context);
 
 /// The normals where the sites are.
@@ -100,12 +100,12 @@ void check_finite_energy(const Objective& objective, const Evaluation& state);
 [[nodiscard]] double local_spacing(const Objective& objective, const Evaluation& state,
                                    std::size_t term, std::size_t k);
 
-/// Let the radii of the repulsion follow the local spacing. They stay fixed within an iteration, so
+/// Adapt the radii of the repulsion to the local spacing. They stay fixed within an iteration, so
 /// that the gradient is exact, and between iterations they only shrink, so that the repulsion never
 /// rises.
 void shrink_radii(Objective& objective, Evaluation& state);
 
-/// Per site what its cells and pairs add to the total, capacities counted from their means.
+/// Per site the energy of its cells and pairs, with capacities relative to their means.
 [[nodiscard]] std::vector<double> energy_shares(const Objective& objective,
                                                 const Evaluation& state);
 
@@ -125,9 +125,9 @@ void shrink_radii(Objective& objective, Evaluation& state);
 /// Add gamma sum m_k |x_k - anchor_k|^2 with the present m_k, and add up again.
 void stick(Objective& objective, Evaluation& state, Vectors anchors, double gamma);
 
-/// Where a disc takes more room than the cells of all together have, have its site want as much,
-/// and the others share the rest; add up again. Else the cells around large discs would be crushed,
-/// for an evenness that nothing can reach.
+/// If a disc needs more area than a cell of the union has, raise its target capacity and distribute
+/// the rest among the others; add up again. Otherwise the cells around large discs would be crushed
+/// for an evenness that cannot be reached.
 void give_room(Objective& objective, Evaluation& state);
 
 /// Add up again with another weight of E_cvt.

@@ -5,8 +5,8 @@
 
 namespace dapple {
 
-/// New places for sites that have no capacity: they coincide with another, met one in a corner, or
-/// left the density's support. They have no gradient, so no step would ever free them.
+/// New positions for sites without capacity: they coincide with another, met one in a corner, or
+/// left the density's support. They have no gradient, so no step would ever move them.
 ///
 /// Each goes halfway from the site with the largest cell nearby (that of its nearest neighbor with
 /// a cell, or one beside it) to that one's farthest neighbor, or into the open where there is
@@ -20,7 +20,7 @@ struct Reinsertion {
 };
 [[nodiscard]] Reinsertion find_reinsertion(const Objective& objective, const Evaluation& state);
 
-/// Whether a site that may move has no capacity, of all or of its class.
+/// Whether a movable site has no capacity, in the union or its class.
 [[nodiscard]] bool has_empty_cell(const Objective& objective, const Evaluation& state);
 
 }  // namespace dapple

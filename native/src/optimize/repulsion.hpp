@@ -12,20 +12,20 @@ namespace dapple {
 struct ClosePair {
   std::int32_t i, j;
   double overlap;    ///< 1 - distance / r_ij
-  double energy;     ///< what the pair adds to the energy
+  double energy;     ///< energy of the pair
   double stiffness;  ///< of the Gauss-Newton part along `direction`
   Vec3 direction;    ///< unit, from j to i
 };
 
 /// The repulsion: E_rep = weight * sum over pairs of (1 - |x_i - x_j| / r_ij)^2 for pairs nearer
-/// than r_ij. It adds what capacities alone do not give, a smallest distance.
+/// than r_ij. It ensures a smallest distance, which capacities alone do not.
 struct Repulsion {
   double energy = 0.0;
   Vectors gradient;
   std::vector<ClosePair> pairs;
 };
 
-/// A pair and what drives its two sites apart.
+/// A pair and the forces on its two sites.
 struct Push {
   ClosePair pair;
   Vec3 force;
@@ -38,7 +38,7 @@ struct Push {
 
 void add(Repulsion& repulsion, const Push& push);
 
-/// The repulsion between sites whose cells touch, in the memory that `repulsion` has.
+/// The repulsion between sites with adjacent cells, in the memory of `repulsion`.
 /// \param radii  r_i per site; r_ij is the mean of the two; empty for no repulsion
 /// \param weight kappa (|S|_phi / n)^2
 void update_repulsion(Repulsion& repulsion, const RestrictedVoronoi& diagram,

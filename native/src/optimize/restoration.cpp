@@ -11,7 +11,7 @@ constexpr double kBegin = 0.7;    // of the sufficient variation
 constexpr double kAsFirst = 1.1;  // of the first frame's
 constexpr double kIdle = 1e-3;    // weight of E_cvt
 
-/// Where sites repel each other, they also have to be apart.
+/// If sites repel each other, their distances count too.
 bool too_near(const Objective& objective, const Evaluation& state, double alpha) {
   return objective.terms[0].repulsion_weight > 0.0 &&
          measure_evenness(state.diagram()).alpha_min < alpha;

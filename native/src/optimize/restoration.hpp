@@ -7,12 +7,12 @@
 
 namespace dapple {
 
-/// What a deforming surface is to be brought back to, instead of minimizing on (trust region only).
+/// The target of a frame of a deforming surface, reached instead of a minimum (trust region only).
 ///
-/// Every step toward the minimum of E_cvt lowers it for good, and a long animation would turn blue
-/// noise into hexagons, while deformation mostly disturbs the capacities. So what is minimized is
-/// s E_cvt + lambda E_cap and the repulsion, where s follows how far E_cvt is above that of the
-/// first frame: 0 while it is within a dead band.
+/// Every step toward the minimum of E_cvt lowers it permanently, and a long animation would turn
+/// blue noise into hexagons, while deformation mostly disturbs the capacities. So the minimized
+/// function is s E_cvt + lambda E_cap and the repulsion, where s follows how far E_cvt is above
+/// that of the first frame: 0 while it is within a dead band.
 struct Restoration {
   double cvt = std::numeric_limits<double>::infinity();  ///< n E_cvt / |S|_phi^2 of the first frame
   double dead_band = 7e-4;                               ///< above it, where s is 0
@@ -26,10 +26,11 @@ struct Restoration {
   /// s, the weight of E_cvt.
   [[nodiscard]] double cvt_weight(const Objective& objective, const Evaluation& state) const;
 
-  /// Whether a state is as even as a frame has to be to end there.
+  /// Whether a state is even enough for a frame to end.
   [[nodiscard]] bool reached(const Objective& objective, const Evaluation& state) const;
 
-  /// Whether it is so even that a frame need not begin: as the first frame, with some room left.
+  /// Whether a state is so even that the frame is skipped: as even as the first frame, with a
+  /// margin.
   [[nodiscard]] bool unnecessary(const Objective& objective, const Evaluation& state) const;
 };
 

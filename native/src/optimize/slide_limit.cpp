@@ -52,8 +52,8 @@ Sites SlideLimit::project(const Evaluation& state, Vectors moved,
   return sites;
 }
 
-/// Project the sites that are out of reach again, with `part` of their distance; 0 is their home.
-/// \return whether there was one
+/// Project sites beyond the limit again, with `part` of their distance from the start.
+/// \return whether any site was beyond the limit
 bool SlideLimit::pull_back(const Evaluation& state, Sites& sites, Vectors& moved, double part,
                            const Context* context) const {
   std::vector<std::int32_t> far;

@@ -5,7 +5,7 @@
 
 namespace dapple {
 
-/// Projects moved sites so that none ends farther from its home than max_slide spacings, its own
+/// Projects moved sites so that none ends farther from its start than max_slide spacings, its own
 /// and the surface's.
 class SlideLimit {
  public:
@@ -16,11 +16,11 @@ class SlideLimit {
   void set_home(Sites home) { home_ = std::move(home); }
   [[nodiscard]] const Sites& home() const { return home_; }
 
-  /// Whether a site is farther from its home than it may be.
+  /// Whether a site is beyond the limit.
   [[nodiscard]] bool exceeded(const Evaluation& state) const;
 
   /// The projections of moved sites. A projection can carry a site that was held back farther again
-  /// (around a bend, to another sheet): it is pulled toward its home until it does not.
+  /// (around a bend, to another sheet): it is pulled toward its start until it does not.
   /// \param state whose sites are moved
   /// \param hints faces near the points
   /// \throw Cancelled

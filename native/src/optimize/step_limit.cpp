@@ -14,8 +14,8 @@ constexpr double kSpread = 2.6832815729997477;
 constexpr double kLong = 2.0;   // spacings: a cell that is longer may be thin
 constexpr double kThin = 0.18;  // area against the square of the length; 0.87 for a hexagon
 
-/// The spacing; the length of the cell where the surface is thinner than that: there the sites are
-/// far more than a spacing apart. Cells that are large in all directions have too few sites around.
+/// The spacing, or the length of the cell on parts thinner than the spacing, where sites are far
+/// more than a spacing apart. Cells that are large in all directions have too few sites around.
 double reach(const Objective& objective, const Evaluation& state, std::size_t k) {
   const Moments& cell = state.diagram().cells[k];
   const double spacing = local_spacing(objective, state, 0, k);

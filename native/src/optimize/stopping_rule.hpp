@@ -16,7 +16,7 @@ class StoppingRule {
       : tolerance_(tolerance), patience_(patience), most_failures_(failures) {}
 
   /// After a step.
-  /// \param decrease relative; of a step that failed, what it could have gained
+  /// \param decrease relative; of a failed step, the possible decrease
   /// \param promised by the step, relative; counts if it failed
   void update(double decrease, bool found, double promised) {
     small_ = decrease > tolerance_ ? 0 : small_ + 1;
@@ -24,7 +24,7 @@ class StoppingRule {
     missed_ = found ? 0.0 : std::max(missed_, promised);
   }
 
-  /// What happened before does not count anymore.
+  /// Forget previous steps.
   void reset() { small_ = failures_ = 0, missed_ = 0.0; }
 
   [[nodiscard]] bool decreases_are_small() const { return small_ >= patience_; }
@@ -33,7 +33,7 @@ class StoppingRule {
 
   /// Whether the last step failed.
   [[nodiscard]] bool failed() const { return failures_ > 0; }
-  /// The most that the failed steps in a row promised, relative.
+  /// The largest relative decrease predicted by the failed steps in a row.
   [[nodiscard]] double missed() const { return missed_; }
 
  private:

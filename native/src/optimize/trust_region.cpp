@@ -25,8 +25,8 @@ constexpr double kRounding = 1e-12;  // of a move that was cut
 constexpr double kRare = 0.25;       // share of all sites: classes with fewer are rare ...
 constexpr double kFewTooFar = 0.02;  // ... and of as few sites the moves alone are cut
 
-/// Not where many moves would be shortened: in white noise, or where the repulsions of classes and
-/// of all together contradict each other, that costs more than it gives.
+/// Skipped if many moves would be shortened: in white noise, or if the repulsions of classes and of
+/// the union contradict each other, that would cost more than it gains.
 Vectors keep_apart(const Objective& objective, const Evaluation& state, Vectors direction) {
   if (objective.terms.size() > 1) return direction;
   Vectors full = direction;
@@ -50,7 +50,7 @@ std::vector<bool> of_rare_classes(const Objective& objective, std::size_t sites)
 }
 
 /// The cells of a rare class are large beside the spacing of all together, by which a step is
-/// limited: what a few such sites want must not shorten the moves of all.
+/// limited: the steps of a few such sites must not shorten the moves of all.
 void cut_few(const Objective& objective, const Evaluation& state, double max_step,
              Vectors& direction) {
   if (state.parts.size() < 2) return;

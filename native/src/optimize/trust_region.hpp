@@ -24,10 +24,10 @@ class TrustRegion {
                              LbfgsHistory& history, const Context* context = nullptr);
 
   /// \param found whether the step lowered the energy
-  /// \param shortened by how much it had to be for that; 1: not at all
+  /// \param shortened factor of the step; 1: not shortened
   void update_radius(bool found, double shortened);
 
-  /// What a full step of the model promises.
+  /// The decrease that a full step of the model predicts.
   [[nodiscard]] double promised(const Objective& objective, const Evaluation& state,
                                 const Context* context = nullptr);
 

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kGrain = 32;   // cells a chunk
 constexpr double kRounding = 1e-9;   // spacings: no shorter edge means anything
-constexpr double kSamePlace = 1e-6;  // spacings: what two tiles make of one point is nearer
-// Of the progress: large faces are cut, the cells known and the tiles made.
+constexpr double kSamePlace = 1e-6;  // spacings: copies of one point in two tiles are closer
+// Progress when large faces are cut, the cells known and the tiles made.
 constexpr double kCut = 0.15, kCellsShare = 0.4;
 constexpr double kMade = 0.95;
 

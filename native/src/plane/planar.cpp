@@ -319,7 +319,7 @@ Sites Torus::bind(std::span<const Vec3> points) const {
   return sites;
 }
 
-/// Move sites from where the density is 0 to the nearest place that has some.
+/// Move sites on density 0 to the nearest point with positive density.
 void Torus::lead_to_density(Sites& sites, const Context* context) const {
   for (std::size_t k = 0; k < sites.size(); ++k) {
     if (is_on_density(cover_, sites.faces[k], sites.barycentric[k])) continue;
@@ -341,7 +341,7 @@ Sites Torus::sites(std::span<const Vec2> points) const {
   return bind(in_space("positions", points));
 }
 
-// Its cells are whole, whatever the rule for parts of them.
+// Its cells are connected, so the rule for parts of cells does not matter.
 std::unique_ptr<FlatDomain> Torus::with_cells(Cells) const {
   return std::make_unique<Torus>(*this);
 }

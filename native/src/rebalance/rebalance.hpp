@@ -8,19 +8,19 @@ namespace dapple {
 
 inline constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
-/// Sites of another number or under another density, before they are made even.
+/// Sites of another number or under another density, before the optimization.
 struct Rebalanced {
   std::vector<std::size_t> stay;  ///< indices of the sites that stay, in their order
-  Sites fresh;                    ///< those that are put in
+  Sites fresh;                    ///< inserted sites
   int evaluations = 0;            ///< of the cells
 };
 
-/// What it takes to come from one number of sites to another, in evaluations of one cell.
+/// The cost of changing the number of sites, in evaluations of one cell.
 [[nodiscard]] double rebalancing_work(std::size_t sites, std::size_t count);
 
-/// Take out sites and put in others, so that each neighborhood of a few sites has the number that
-/// its share of the density asks for. Whatever has to be made up over a longer distance is then
-/// made up, and an optimization moves no site far. Those with the smallest cells are taken out, far
+/// Remove and insert sites so that each neighborhood of a few sites has the number that fits its
+/// share of the density. Then densities are right over longer distances, and an optimization moves
+/// no site far. Those with the smallest cells are taken out, far
 /// from each other; new ones come into the widest gaps of the largest cells. A neighborhood that
 /// has its number to within a sample is left alone.
 /// \param sites with barycentric coordinates; at least one
@@ -35,18 +35,18 @@ struct Rebalanced {
 /// Some of the sites, which alone may go.
 struct FreeSites {
   std::vector<bool> free;     ///< per site
-  double capacity = 0.0;      ///< what each of them should have: > 0, as the domain's integrals
+  double capacity = 0.0;      ///< target capacity of each: > 0, as the domain's integrals
   RestrictedVoronoi diagram;  ///< the cells of all sites
 };
 
 /// Sites of which some were taken out.
 struct Thinned {
   std::vector<std::size_t> stay;  ///< indices of the sites that stay, in their order
-  std::size_t lacking = 0;        ///< how many should be put in
+  std::size_t lacking = 0;        ///< number of sites to insert
   int evaluations = 0;            ///< of the cells, but for those given
 };
 
-/// The same for a part of the sites, but for putting in.
+/// The same for a part of the sites, without insertions.
 /// \throw Cancelled
 [[nodiscard]] Thinned thin_out(const Surface& surface, const Domain& domain, const Sites& sites,
                                FreeSites part, Context* context);

@@ -43,7 +43,7 @@ inline constexpr double kRarer = 3.0;
 [[nodiscard]] std::vector<std::vector<std::size_t>> groups_by_count(
     std::span<const std::size_t> counts);
 
-/// What is minimized for sites of the given classes.
+/// The minimized function for sites of the given classes.
 /// \param locked per site; empty: none
 [[nodiscard]] Objective make_objective(const ClassProblem& problem,
                                        std::vector<std::int32_t> classes,
@@ -53,7 +53,7 @@ inline constexpr double kRarer = 3.0;
 /// all stays.
 void leave_out_locked(Objective& objective);
 
-/// Where an optimization begins, class by class.
+/// The initial positions, class by class.
 /// \param along see poisson_start()
 [[nodiscard]] Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed,
                                Context* context, std::size_t* along = nullptr);

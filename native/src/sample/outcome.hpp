@@ -16,12 +16,12 @@ inline constexpr double kAsEven = 5e-4;
 /// they share its capacity at best. 0 where there is one island.
 [[nodiscard]] double whole_count_variation(const Domain& domain, const Sites& sites);
 
-/// How even sites are by the energy over their cells.
+/// The evenness of sites by the energy over their cells.
 /// \param normals of the surface, per site
 [[nodiscard]] Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
                               std::span<const Vec3> normals);
 
-/// What the minimizer found, all together and class by class.
+/// The result of the minimizer, for the union and class by class.
 /// \param class_count number of classes, empty ones too
 /// \param normals     of the surface, per site
 [[nodiscard]] Report to_report(const Objective& objective, const Minimum& found,
@@ -36,7 +36,7 @@ inline constexpr double kAsEven = 5e-4;
 [[nodiscard]] Samples to_samples(const Surface& surface, const Domain& domain,
                                  OptimizerResult&& found, std::span<const std::int32_t> ids);
 
-/// How far samples are from where they were, in spacings; `before` may be fewer.
+/// The distances of samples from their previous positions, in spacings; `before` may be fewer.
 void measure_slide(Report& report, std::span<const Vec3> now, std::span<const Vec3> before);
 
 }  // namespace dapple

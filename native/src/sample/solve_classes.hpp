@@ -6,20 +6,20 @@
 
 namespace dapple {
 
-/// Make each class even by itself, from its part of the start: the first of two stages.
+/// Optimize each class alone, from its part of the start: the first of two stages.
 /// \param sum its evaluations and iterations are added to these
 void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
                   Minimum& sum, Context* context);
 
-/// Sites where no two discs overlap, as far as the surface has room for that.
+/// Sites without overlapping discs, as far as the surface has room.
 [[nodiscard]] Sites discs_apart(const Objective& objective, Sites sites, Context* context);
 
-/// Push apart what the last steps have left: to first order they keep discs apart, and a site that
-/// is pushed off the density comes back to it.
+/// Separate discs that still overlap after the last steps, which keep them apart only to first
+/// order; a site pushed off the density is moved back to it.
 void end_apart(const Objective& objective, OptimizerOptions options, Minimum& found,
                Context* context);
 
-/// The end of a solution, and what it was measured by.
+/// The result of a solution, and its objective.
 struct ClassMinimum {
   Objective objective;
   Minimum minimum;

@@ -11,7 +11,7 @@ namespace dapple {
 class DartBoard {
  public:
   /// Each island gets its share of `count` places by capacity, by largest remainders.
-  /// \param taken darts that are there already, `count` includes them
+  /// \param taken existing darts, included in `count`
   DartBoard(const Surface& surface, std::size_t count, const std::vector<Dart>& taken = {});
 
   /// A random point of the surface, before its face is found.

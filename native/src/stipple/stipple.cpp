@@ -233,7 +233,7 @@ std::array<Image, kInks> separate_inks(const ColorImage& picture) {
 }
 
 ColorImage mix_inks(const std::array<Image, kInks>& inks) {
-  // What each ink takes from red, green and blue light.
+  // The light that each ink absorbs: red, green and blue.
   constexpr std::array<std::array<double, 3>, kInks> kTakes = {
       {{0, 1, 1}, {1, 0, 1}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}};
   ColorImage picture;

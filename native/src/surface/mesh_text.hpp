@@ -195,7 +195,7 @@ class PlainText {
 /// Without the byte order mark of UTF-8.
 [[nodiscard]] std::string_view without_mark(std::string_view bytes);
 
-/// The same with line feeds in the place of carriage returns that none follows.
+/// The same with line feeds instead of carriage returns that no line feed follows.
 [[nodiscard]] std::string with_line_feeds(std::string_view text);
 
 }  // namespace dapple

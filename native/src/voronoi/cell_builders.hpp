@@ -10,11 +10,11 @@
 
 namespace dapple {
 
-/// Keeps builders of cells for the evaluations to come. Every member may be called from several
+/// Keeps builders of cells for later evaluations. Every member may be called from several
 /// threads.
 class CellBuilders {
  public:
-  /// Compute cells with a builder that is free; a new one if none is.
+  /// Compute cells with a free builder, or with a new one.
   /// \param surface must outlive this; parameters as in CellBuilder::build()
   void build(const Surface& surface, const Sites& sites, Cells cells, bool leaves_gaps,
              Context* context, RestrictedVoronoi& diagram) {

@@ -166,7 +166,7 @@ def _options_of(row: Row) -> list[click.Option]:
             [f"{flag}-invert"],
             is_flag=True,
             default=None,
-            help="Full density outside of the range in place of inside.",
+            help="Full density outside of the range instead of inside.",
         ),
         MaskOption([f"{flag}-strength"], type=SHARE, metavar="SHARE", help=strength),
     ]

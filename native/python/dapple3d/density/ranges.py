@@ -23,7 +23,7 @@ class Range:
 
     low, high: full density from low to high, both included; infinite: no limit on that side.
     falloff: >= 0, the difference from the range over which the density falls to 0.
-    invert: full density outside of the range in place of inside.
+    invert: full density outside of the range instead of inside.
     strength: 0 to 1, how much the range counts; at 0 it has no effect.
 
     Raises:

@@ -28,7 +28,7 @@ NARROWEST = 2.0 * (AROUND + LOCKED)  # a tile, so that the squares at its corner
 
 Kind = Literal["first", "across", "along", "corner", "tile"]
 KINDS: tuple[Kind, ...] = ("first", "across", "along", "corner", "tile")
-BESIDE: dict[Kind, str] = {  # what of a tile is solved, in messages
+BESIDE: dict[Kind, str] = {  # the part of a tile that is solved, in messages
     "across": "the seam to the column after",
     "along": "the seam to the row after",
     "corner": "the corner after",
