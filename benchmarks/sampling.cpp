@@ -94,7 +94,7 @@ dapple::Surface body(int levels) {
   return {deform(mesh.vertices, 0.3), mesh.faces};
 }
 
-void report(benchmark::Evaluation& state, const dapple::Report& r) {
+void report(benchmark::State& state, const dapple::Report& r) {
   state.counters["evaluations"] = r.evaluations;
   state.counters["energy"] = r.energy;
   state.counters["alpha_min"] = r.evenness.alpha_min;
@@ -102,7 +102,7 @@ void report(benchmark::Evaluation& state, const dapple::Report& r) {
   state.counters["capacity_variation"] = r.evenness.capacity_variation;
 }
 
-void whole_optimization(benchmark::Evaluation& state) {
+void whole_optimization(benchmark::State& state) {
   const dapple::Surface surface = body(static_cast<int>(state.range(1)));
   dapple::Samples samples;
   for (auto _ : state) samples = dapple::sample(surface, static_cast<std::size_t>(state.range(0)));
@@ -115,7 +115,7 @@ BENCHMARK(whole_optimization)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-void one_evaluation(benchmark::Evaluation& state) {
+void one_evaluation(benchmark::State& state) {
   const dapple::Surface surface = body(static_cast<int>(state.range(1)));
   const dapple::Sites sites =
       dapple::poisson_start(surface, static_cast<std::size_t>(state.range(0)), 0);
@@ -129,7 +129,7 @@ BENCHMARK(one_evaluation)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-void poisson_start(benchmark::Evaluation& state) {
+void poisson_start(benchmark::State& state) {
   const dapple::Surface surface = body(6);
   for (auto _ : state)
     benchmark::DoNotOptimize(
@@ -142,7 +142,7 @@ BENCHMARK(poisson_start)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-void tracked_frame(benchmark::Evaluation& state) {
+void tracked_frame(benchmark::State& state) {
   const Mesh& mesh = sphere(static_cast<int>(state.range(1)));
   const dapple::Surface first(deform(mesh.vertices, 0.0), mesh.faces);
   dapple::Tracker tracker(first, dapple::sample(first, static_cast<std::size_t>(state.range(0))));
