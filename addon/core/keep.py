@@ -383,11 +383,11 @@ def _coming(ground: Ground, given: Any, changed: Ints) -> float:
     corners = ground.surface.vertices[ground.surface.faces]
     sides = corners[:, 1:] - corners[:, :1]
     areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    masses = areas * ground.corner_density().mean(axis=1)
+    capacities = areas * ground.corner_density().mean(axis=1)
     inside = np.count_nonzero(np.isin(given.faces, changed))
-    mass = float(masses[changed].sum())
-    rest = float(masses.sum()) - mass
-    return mass / rest * (len(given) - inside) - inside if rest > 0.0 else float(len(given))
+    capacity = float(capacities[changed].sum())
+    rest = float(capacities.sum()) - capacity
+    return capacity / rest * (len(given) - inside) - inside if rest > 0.0 else float(len(given))
 
 
 def _touched(before: Before, arrays: SurfaceArrays, ground: Ground) -> Ints:
@@ -499,9 +499,9 @@ def _scattered(
         measured=False,
         doubled_faces=ground.original.doubled_faces,
     )
-    solved, mass = Solved(arrays, ground, fine), float(ground.surface.capacity)
+    solved, capacity = Solved(arrays, ground, fine), float(ground.surface.capacity)
     positions = np.asarray(samples.positions)
-    return Scattered(positions, binding, columns, report, Details(), settings, mass, solved)
+    return Scattered(positions, binding, columns, report, Details(), settings, capacity, solved)
 
 
 def _old_rows(given: Any, found: Any) -> Ints:

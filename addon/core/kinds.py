@@ -54,13 +54,13 @@ def counted(surface: Any, settings: Settings) -> Settings:
     return with_area(settings, surface.capacity) if settings.per_area else settings
 
 
-def with_area(settings: Settings, mass: float) -> Settings:
-    """The settings with the count that points per area make on a surface of such a mass.
+def with_area(settings: Settings, capacity: float) -> Settings:
+    """The settings with the count that points per area make on a surface of such a capacity.
 
     Raises:
         ScatterError: they make more points than anyone can want.
     """
-    count = round(settings.per_area * mass)
+    count = round(settings.per_area * capacity)
     if count > MOST_POINTS:
         raise ScatterError(
             f"{settings.per_area:g} points per area are {count:,} points on this surface: "

@@ -63,7 +63,7 @@ class Scattered:
     report: Report
     details: Details = field(default_factory=Details)
     settings: Settings = field(default_factory=Settings)  # that it was solved with
-    mass: float = 0.0  # integral of the density over the surface
+    capacity: float = 0.0  # integral of the density over the surface
     solved: "Solved | None" = None  # what points can be kept with: keep.py
 
 
@@ -100,8 +100,8 @@ def scatter(
         report_of(samples.report).of_ids(ids), doubled_faces=ground.original.doubled_faces
     )
     details = details_of(fine, density)
-    mass, solved = float(ground.surface.capacity), Solved(arrays, ground, fine)
-    return Scattered(positions, binding, columns, report, details, settings, mass, solved)
+    capacity, solved = float(ground.surface.capacity), Solved(arrays, ground, fine)
+    return Scattered(positions, binding, columns, report, details, settings, capacity, solved)
 
 
 def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:

@@ -30,7 +30,7 @@ class Sources:
     """Contents by their roles: the same role is the same input of the solution."""
 
     frame: float = 0.0  # of the animation
-    mass: float = 0.0  # integral of the density over the surface; 0: not known
+    capacity: float = 0.0  # integral of the density over the surface; 0: not known
     exact: dict[str, str] = field(default_factory=dict)  # digests
     near: dict[str, Floats] = field(default_factory=dict)  # (k, d) numbers
     moving: tuple[str, ...] = ()  # roles that differ between the frames of a bake
@@ -41,7 +41,7 @@ class Sources:
         return json.dumps(
             {
                 "frame": self.frame,
-                "mass": self.mass,
+                "capacity": self.capacity,
                 "exact": self.exact,
                 "near": near,
                 "moving": self.moving,
@@ -57,7 +57,7 @@ def sources_from(text: str) -> Sources | None:
         exact = {str(name): str(digest) for name, digest in stored["exact"].items()}
         near = {str(name): _unpacked(*packed) for name, packed in stored["near"].items()}
         moving = tuple(map(str, stored["moving"]))
-        return Sources(float(stored["frame"]), float(stored["mass"]), exact, near, moving)
+        return Sources(float(stored["frame"]), float(stored["capacity"]), exact, near, moving)
     except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         return None
 
@@ -113,7 +113,7 @@ def outline_of(arrays: SurfaceArrays) -> Outline:
     return Outline(arrays.topology, pose, shape, pose.turn.T @ linear, arrays.matrix[:3, 3])
 
 
-def sources_of(arrays: SurfaceArrays, settings: Settings, mass: float = 0.0) -> Sources:
+def sources_of(arrays: SurfaceArrays, settings: Settings, capacity: float = 0.0) -> Sources:
     """Of a surface that was read with all that these settings take."""
     outline = outline_of(arrays)
     values = {
@@ -121,7 +121,7 @@ def sources_of(arrays: SurfaceArrays, settings: Settings, mass: float = 0.0) -> 
     }
     own = surface_sources(outline, values, settings)
     beside = around_sources(outline.pose, arrays.around)
-    return replace(joined(own, beside), frame=arrays.time, mass=mass)
+    return replace(joined(own, beside), frame=arrays.time, capacity=capacity)
 
 
 def joined(own: Sources, beside: Sources) -> Sources:

@@ -18,7 +18,8 @@ dapple3d.option_table = lambda verb: [*known(verb), row]
 given = []
 def taking(solve, seen):
     def taken(*arguments, damping, **options):
-        seen.append(damping)
+        if isinstance(arguments[0], dapple3d.Surface):
+            seen.append(damping)
         return solve(*arguments, **options)
     return taken
 dapple3d.sample = taking(dapple3d.sample, given)

@@ -87,7 +87,7 @@ def test_points_are_on_faces_of_some_density_alone(width, amount):
         assert above(surface)[found.solved.samples.faces].all()
         np.testing.assert_allclose(found.columns["dapple_density"], 1.0)
     if "per_area" in amount:
-        assert found.report.count == pytest.approx(20.0 * found.mass, abs=1.0)
+        assert found.report.count == pytest.approx(20.0 * found.capacity, abs=1.0)
 
 
 def test_object_types_multiply_values_of_faces_by_their_own():

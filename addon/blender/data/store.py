@@ -52,7 +52,7 @@ def write_scattered(
     mesh[SCHEMA_KEY] = SCHEMA
     forget_touched(obj)
     obj.dapple.solved_settings = settings_text(solved.settings)
-    obj.dapple.solved_from = sources_of(arrays, solved.settings, solved.mass).text()
+    obj.dapple.solved_from = sources_of(arrays, solved.settings, solved.capacity).text()
     obj.dapple.locked_count = int(solved.columns["dapple_locked"].sum())
     write_figures(obj, solved)
     write_binding(obj, arrays, solved.binding, rest)

@@ -81,9 +81,9 @@ def _counted(obj: bpy.types.Object) -> list[int]:
 def _solved_mass(obj: bpy.types.Object) -> float:
     """As large as the density of the last solution has made it."""
     sources = sources_from(obj.dapple.solved_from)
-    if sources is None or not sources.mass:
+    if sources is None or not sources.capacity:
         raise ScatterError(f"Scatter '{obj.name}' was not solved by this version")
-    return sources.mass
+    return sources.capacity
 
 
 def select_overlap(obj: bpy.types.Object, context: bpy.types.Context) -> Vector:

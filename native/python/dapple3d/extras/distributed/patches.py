@@ -98,12 +98,12 @@ class Patch:
 class Census:
     """What the plan needs to know of a tile.
 
-    mass: the integral of the density. histogram: of the mass, by densities; entry k is of those
-    from BINS[k - 1]. extent: the largest face's, along the axes of the tiles. digest: of the part
+    capacity: the integral of the density. histogram: of the capacity, by densities; entry k is of
+    those from BINS[k - 1]. extent: the largest face's, along the axes of the tiles. digest: of the part
     of the surface.
     """
 
-    mass: float
+    capacity: float
     histogram: list[float]
     extent: float
     digest: str

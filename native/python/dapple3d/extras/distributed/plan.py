@@ -236,10 +236,10 @@ def allot(masses: Floats, count: int) -> NDArray[np.int64]:
 def unit_of(found: Sequence[Census], count: int) -> float:
     """The spacing where points are sparse, or more if faces are large."""
     histogram = [math.fsum(masses) for masses in zip(*(c.histogram for c in found), strict=True)]
-    mass = math.fsum(histogram)
-    below = bisect_left(list(accumulate(histogram)), SPARSE * mass)
+    capacity = math.fsum(histogram)
+    below = bisect_left(list(accumulate(histogram)), SPARSE * capacity)
     density = float(BINS[max(below - 1, 0)])
-    spacing = math.sqrt(2.0 / math.sqrt(3.0) * mass / count / density)
+    spacing = math.sqrt(2.0 / math.sqrt(3.0) * capacity / count / density)
     return max(spacing, WIDEST_FACE * max(c.extent for c in found))
 
 

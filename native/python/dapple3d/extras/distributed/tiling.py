@@ -211,7 +211,7 @@ def _new_plan(
         task.argument: result for task, result in run(_census, (surface, layout), tasks, context)
     }
     censuses = [found[job] for job in jobs]
-    counts = allot(np.array([c.mass for c in censuses]).reshape(layout.shape), count)
+    counts = allot(np.array([c.capacity for c in censuses]).reshape(layout.shape), count)
     layout = layout_for(lines, surface.axes, censuses, count)
     kept = {name: wanted[name] for name in ("seed", "options", "surface", "tile")}
     return Plan(layout, counts, **kept, patches=[c.digest for c in censuses])
