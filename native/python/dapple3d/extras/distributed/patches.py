@@ -99,8 +99,8 @@ class Census:
     """What the plan needs to know of a tile.
 
     capacity: the integral of the density. histogram: of the capacity, by densities; entry k is of
-    those from BINS[k - 1]. extent: the largest face's, along the axes of the tiles. digest: of the part
-    of the surface.
+    those from BINS[k - 1]. extent: the largest face's, along the axes of the tiles. digest: of the
+    part of the surface.
     """
 
     capacity: float
