@@ -73,7 +73,7 @@ nitpick_ignore_regex = [
     ("py:.*", r"ArrayLike|NDArray|Any|Literal|Sequence|Iterable|Final|Figure|Up"),
     ("py:.*", r"int|float|str|bool"),
     ("cpp:identifier", r"(std|Eigen)(::.*)?|dapple|Vec3::Zero"),
-    ("cpp:identifier", r"OrderedSurface|Stopwatch|WholeNumber"),  # not for callers
+    ("cpp:identifier", r"OrderedSurface|Stopwatch|Connectivity|SidedSurface"),  # not for callers
 ]
 
 # The theme
