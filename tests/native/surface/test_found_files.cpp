@@ -170,7 +170,7 @@ TEST(FoundFiles, AnStlThatSaysTooFewTrianglesLosesNone) {
 
 TEST(FoundFiles, AnStlOfAnotherSizeThanItSaysIsRefused) {
   expect_refused(read_stl, binary_stl(13), "declares 13 triangles and has room for 12");
-  expect_refused(read_stl, binary_stl(5) + "more", "says that it has 5 triangles");
+  expect_refused(read_stl, binary_stl(5) + "more", "declares 5 triangles");
   expect_refused(read_stl, binary_stl(12).substr(0, 200), "has room for 2");
 }
 
@@ -190,7 +190,7 @@ TEST(FoundFiles, AnStlMayBeInCapitals) {
 TEST(FoundFiles, TheCountsOfAnOffMayStandInItsFirstLine) {
   for (const char* head : {"OFF8 6 0\n", "OFF 8 6 0\n", "off\n8 6 0\n", "8 6 0\n", "OFF\n\n8 6\n"})
     expect_cube(read_off(head + places("") + sides("4")), head);
-  expect_refused(read_off, "OFF BINARY\n", "in text only");
+  expect_refused(read_off, "OFF BINARY\n", "is a binary OFF file: write it as text");
   expect_refused(read_off, "OFFICE\n8 6 0\n", "does not begin with OFF");
 }
 
