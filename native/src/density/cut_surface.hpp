@@ -9,9 +9,9 @@ namespace dapple {
 
 /// A surface whose faces are cut into pieces of a few cells each, and sites on it.
 ///
-/// Where straight lines go through walls, cells are divided anew face by face, by all the sites
-/// that reach a face. On a wall of a few large faces these would be all sites there are; on pieces
-/// of it they are those nearby.
+/// Where straight lines go through walls, faces are divided again among all sites that reach them.
+/// On a wall of a few large faces these would be all sites; on pieces of it they are the nearby
+/// ones.
 class CutSurface {
  public:
   explicit CutSurface(Refined refined) : refined_(std::move(refined)), finder_(refined_) {}
@@ -31,8 +31,8 @@ class CutSurface {
   PieceFinder finder_;
 };
 
-/// The surface cut for `count` sites; null where no face holds the cells of many. A function of the
-/// surface and the order of magnitude of `count` alone.
+/// The surface cut for `count` sites; null if no face holds the cells of many. Depends only on the
+/// surface and the order of magnitude of `count`.
 /// \throw Cancelled
 [[nodiscard]] std::shared_ptr<const CutSurface> cut_for(const Surface& surface, std::size_t count,
                                                         Context* context = nullptr);

@@ -5,8 +5,8 @@
 
 namespace dapple {
 
-/// Finds the piece of a face that holds a point of it: each face that was cut has a grid over its
-/// barycentric coordinates, whose cells list the pieces that reach into them.
+/// Finds the piece of a face that contains a given point: each subdivided face has a grid over its
+/// barycentric coordinates, whose cells list the pieces that overlap them.
 class PieceFinder {
  public:
   /// \param refined must outlive the finder

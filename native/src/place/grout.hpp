@@ -5,10 +5,11 @@
 
 namespace dapple {
 
-/// What is left of a cell when the planes half-way to its neighbors move `width` toward its site.
+/// The part of a cell left after moving the planes halfway to its neighbors by `width` toward its
+/// site.
 ///
-/// A neighbor counts on the pieces that end at its plane or before; where cells are connected, one
-/// that shares a border elsewhere can have the piece on its own side without owning it.
+/// A neighbor counts only for pieces that end at its plane or before: with connected cells, a piece
+/// can lie on the neighbor's side of the plane without belonging to its cell.
 /// \param cell  all pieces of one cell
 /// \param sites positions of all sites
 [[nodiscard]] std::vector<CellPolygon> without_grout(std::span<const CellPolygon> cell,

@@ -20,25 +20,26 @@ struct Patch {
   std::vector<PatchPolygon> polygons;
 };
 
-/// What a vertex of a patch lies on; of two that become one the stronger stays.
+/// The feature that a vertex of a patch lies on; if two vertices are merged, the stronger feature
+/// stays.
 enum class On : std::uint8_t { kVertex, kEdge, kFace };
 
-/// A patch as its pieces were joined.
+/// A patch made by joining pieces.
 struct JoinedPatch {
   Patch patch;
   std::vector<On> kinds;  ///< per point
 };
 
-/// Without edges shorter than `shortest`; polygons without extent are gone, and no polygon meets
-/// itself.
+/// Remove edges shorter than `shortest` and polygons without extent; no polygon meets itself
+/// afterward.
 [[nodiscard]] Patch without_short_edges(JoinedPatch joined, double shortest);
 
-/// The same of patches that touch, so that they touch with the same points as before: an edge is
-/// removed from all that have it, to the same place. Points within `rounding` count as one.
+/// The same for adjacent patches, which stay adjacent with identical points: an edge is removed
+/// from all patches that share it, to the same place. Points within `rounding` count as one.
 [[nodiscard]] std::vector<Patch> without_short_edges(std::vector<JoinedPatch> joined,
                                                      double shortest, double rounding);
 
-/// Points on edges of the mesh, by the vertices of these, the lower first.
+/// Points on edges of the mesh, keyed by the vertices of the edge, the lower first.
 using EdgePoints = std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Vec3>>;
 
 /// Joins the pieces of a cell where they meet along edges of the mesh.
@@ -49,14 +50,14 @@ class PatchBuilder {
   PatchBuilder(std::span<const Vec3> vertices, std::span<const Face> faces)
       : vertices_(vertices), faces_(faces) {}
 
-  /// Pieces share what lies on the same vertex of the mesh, or on the same edge of it and the same
-  /// plane; a point that rounding put on one side of an edge only is added to the other. No polygon
-  /// meets itself.
-  /// \param others  points that become corners too where edges of the pieces run over them
+  /// Pieces share points on the same vertex of the mesh, or on the same edge and the same plane; a
+  /// point that rounding placed on only one side of an edge is added to the other. No polygon meets
+  /// itself.
+  /// \param others  points that also become corners where edges of pieces pass through them
   [[nodiscard]] JoinedPatch build(std::span<const CellPolygon> pieces,
                                   const EdgePoints& others = {}) const;
 
-  /// Where corners of pieces lie on edges of the mesh.
+  /// The corners of pieces that lie on edges of the mesh.
   [[nodiscard]] EdgePoints edge_points(std::span<const CellPolygon> pieces) const;
 
  private:

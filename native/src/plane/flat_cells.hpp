@@ -7,23 +7,22 @@
 
 namespace dapple {
 
-/// Finds whose cells touch the cell of one site after another; one per thread. A cell is cut by the
+/// Finds the neighbors of one site after another; one object per thread. A cell is clipped by the
 /// sites around it in order of distance, until the next one is farther than twice the farthest
-/// corner. What one site needed the next one will: only how long a search takes depends on that.
+/// corner. The reach of a search starts from that of the site before, which affects only the time.
 class FlatCells {
  public:
-  /// In the plane, as far as a frame that holds all sites.
+  /// In the plane, within a frame that contains all sites.
   /// \param sites must outlive this
   FlatCells(const FlatSites& sites, const Eigen::AlignedBox2d& frame);
   /// On the torus.
   /// \param sites must outlive this
   explicit FlatCells(const FlatSites& sites);
 
-  /// Turn to a site, by its place.
+  /// Start a site, given by its place.
   void turn_to(std::size_t place);
 
-  /// The sites whose cells touch this one's, in order of distance. Of sites at one place it is the
-  /// first.
+  /// The sites whose cells touch this one's, in order of distance; of coincident sites the first.
   [[nodiscard]] std::span<const SiteGraph::Link> links() const { return links_; }
   /// Whether the cell ends at the frame.
   [[nodiscard]] bool at_frame() const;
@@ -55,17 +54,18 @@ class FlatCells {
   Eigen::AlignedBox2d frame_;
   std::size_t place_ = 0;
   FlatPolygon cell_;
-  std::vector<Rival> cutting_;  // what has cut the cell; edges are labeled by their numbers
+  std::vector<Rival>
+      cutting_;  // the sites that clipped the cell; edges are labeled by their indices
   std::vector<SiteGraph::Link> links_;
   double squared_reach_ = 0.0;
   std::vector<Rival> found_;  // the first ones are near_
   std::span<Rival> near_;     // within reach, the nearest first
-  std::size_t next_ = 0;      // in near_, that has not cut yet
+  std::size_t next_ = 0;      // index in near_ of the next one to clip by
   std::size_t neighborhood_;
   double squared_reach_around_;
   std::vector<Place> around_;  // all within reach of the neighborhood
   std::vector<Place> further_;
-  double needed_ = 0.0;  // the largest squared distance that was needed there so far
+  double needed_ = 0.0;  // the largest squared distance needed there so far
 };
 
 }  // namespace dapple

@@ -5,12 +5,12 @@
 
 namespace dapple {
 
-/// Whose cells touch, of sites in the plane; z is not looked at. Without what touches only outside
-/// a frame that holds all sites.
+/// The graph of touching cells of sites in the plane; z is ignored. Cells that touch only outside a
+/// frame that contains all sites are not linked.
 [[nodiscard]] SiteGraph plane_graph(std::span<const Vec3> sites, const Eigen::AlignedBox2d& frame);
 
-/// Whose cells touch, of sites in the unit square of the torus, x and y in [0, 1). With few sites a
-/// site touches several images of another, and images of its own.
+/// The graph of touching cells of sites in the unit square of the torus, x and y in [0, 1). With
+/// few sites a site touches several images of another, and images of itself.
 [[nodiscard]] SiteGraph torus_graph(std::span<const Vec3> sites);
 
 }  // namespace dapple

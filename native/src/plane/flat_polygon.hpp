@@ -13,11 +13,11 @@ struct FlatPolygon {
     std::int32_t edge;  ///< label of the edge that begins here
   };
 
-  /// Keep the half-plane normal . x <= offset; the edge this makes gets the label.
-  /// \return whether anything was beyond
+  /// Clip to the half-plane normal . x <= offset; the new edge gets the label.
+  /// \return whether anything was cut off
   bool cut(const Vec2& normal, double offset, std::int32_t label);
 
-  /// Of the corner farthest from the site; 0 if there is none.
+  /// Squared distance of the corner farthest from the site; 0 if there is none.
   [[nodiscard]] double squared_radius() const;
 
   std::vector<Corner> corners;

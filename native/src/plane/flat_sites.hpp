@@ -5,14 +5,14 @@
 
 namespace dapple {
 
-/// Where sites of the plane or the torus are, each place once, in the order of a Morton curve; and
-/// which of them are near. On the torus they are in the unit square, and every site is there nine
-/// times: in it and in the eight squares around it.
+/// The distinct places of sites in the plane or the torus, in the order of a Morton curve, with
+/// searches for near ones. On the torus every site counts nine times: in the unit square and in the
+/// eight squares around it.
 class FlatSites {
   static constexpr double kShifted = 1.0 + 1e-9;
 
  public:
-  /// A site that lies where another one does.
+  /// A site that coincides with an earlier one.
   struct Twin {
     std::int32_t site, first;
   };
@@ -28,15 +28,15 @@ class FlatSites {
   [[nodiscard]] const Vec3& place(std::size_t k) const { return places_[k]; }
   /// The first of the caller's sites at a place.
   [[nodiscard]] std::int32_t site(std::size_t k) const { return sites_[k]; }
-  /// All that are not the first at their places.
+  /// All sites that are not the first at their place.
   [[nodiscard]] std::span<const Twin> twins() const { return twins_; }
 
-  /// A box around a few places, of which this is one; the same box, the same number.
+  /// The box of a few places that contains this one; equal numbers stand for the same box.
   [[nodiscard]] std::size_t neighborhood(std::size_t k) const { return k / SiteBoxes::kFan; }
   [[nodiscard]] Box box_around(std::size_t k) const { return boxes_.leaf_of(k); }
 
   /// Call visit(k, shift) for all places whose images, moved by the shift, are nearer to the box
-  /// than the root of `limit`, and perhaps for some that are hardly farther: shifts are rounded.
+  /// than the root of `limit`, and perhaps for some slightly farther, because shifts are rounded.
   template <typename Visit>
   void for_each_near(const Box& query, double limit, const Visit& visit) const {
     for_each_shift([&](const Vec3& shift) {
@@ -45,7 +45,7 @@ class FlatSites {
     });
   }
 
-  /// The same, near boxes first: for a limit that sinks on the way.
+  /// The same, near boxes first, for a limit that decreases during the search.
   template <typename Visit>
   void for_each_nearest(const Vec3& point, const double& limit, const Visit& visit) const {
     for_each_shift([&](const Vec3& shift) {
@@ -55,8 +55,8 @@ class FlatSites {
   }
 
  private:
-  /// More than the eight squares around there need not be, since a site's own images hold its cell
-  /// within half a period of it. The middle one comes first: what is near lowers the limit.
+  /// The eight squares around suffice, because a site's own images keep its cell within half a
+  /// period. The middle square comes first, because near sites lower the limit.
   template <typename Use>
   void for_each_shift(const Use& use) const {
     use(Vec3::Zero());

@@ -12,26 +12,27 @@ namespace dapple {
 
 /// The samples of one class while they are relaxed.
 struct RelaxedClass {
-  std::int32_t name;                 ///< see Samples::classes
-  Surface surface;                   ///< with its density, and the sides of walls
-  std::optional<std::size_t> count;  ///< wanted; none: as many as fit those around
+  std::int32_t name;  ///< see Samples::classes
+  Surface surface;    ///< with its density and the sides of thin walls
+  std::optional<std::size_t>
+      count;  ///< wanted number; none: chosen to match the neighbors' capacity
   double radius = 0.0;
-  std::vector<std::int32_t> rows = {};  ///< of the samples given; those that are put in follow
+  std::vector<std::int32_t> rows = {};  ///< indices of the given samples; inserted ones follow
   Sites sites = {};
   std::vector<bool> locked = {}, alive = {}, free = {};
-  std::vector<OrderedFace> faces = {};  ///< that it was relaxed on last; sorted
+  std::vector<OrderedFace> faces = {};  ///< faces of the last region; sorted
   Report report = {};
 };
 
-/// Of all classes: what it took, and how even each is.
+/// The report: the work done, and the evenness of each class.
 [[nodiscard]] Report report_of(std::span<const RelaxedClass> classes);
 
-/// Relaxes one class after another, rare ones first: each among those that are as rare or rarer,
-/// where something has changed and where these have moved.
+/// Relaxes one class after another, rare ones first: each together with classes that are as rare or
+/// rarer, where something has changed and where those classes have moved.
 class ClassRelaxation {
  public:
   /// \param samples, options must outlive this
-  /// \param sites   of the samples, where they are now
+  /// \param sites   the present positions of the samples
   /// \param changed the caller's faces
   ClassRelaxation(const Surface& surface, const Samples& samples, const Sites& sites,
                   std::span<const std::int32_t> changed, const RelaxOptions& options);

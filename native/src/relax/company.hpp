@@ -8,34 +8,35 @@
 
 namespace dapple {
 
-/// A class of samples among which another one is relaxed, or that one itself.
+/// A class that takes part in a relaxation: one that is relaxed, or one that stays in place around
+/// it.
 struct Companion {
   const Surface* surface;  ///< with its density; of the same faces
-  double weight;           ///< of that density in the sum of all: its count / its capacity
+  double weight;           ///< of its density in the union: count / capacity
   double radius;           ///< of its discs
-  Sites sites = {};        ///< those that stay where they are
+  Sites sites = {};        ///< sites that do not move
 };
 
-/// What classes are relaxed among.
+/// The classes that take part in a relaxation.
 struct Company {
   std::vector<Companion> selves;  ///< the classes themselves
   std::vector<Companion> others;
-  double union_weight = 1.0;  ///< of the evenness of all together
+  double union_weight = 1.0;  ///< weight of the evenness of all classes together
 };
 
-/// A class that is relaxed. All have regions of the same faces.
+/// A class that is relaxed; all such classes have regions of the same faces.
 struct Self {
   const Region* region;
   const SurfaceDomain* domain;  ///< of the region's part
-  double share;                 ///< capacity that each is to have, as the domain's integrals
+  double share;                 ///< wanted capacity per site, in the unit of the domain's integrals
 };
 
-/// Whether discs around sites of the region overlap, those of others that are on it too.
+/// Whether discs of sites in the region overlap, including those of other classes.
 [[nodiscard]] bool discs_overlap(const Region& region, const Company& company);
 
-/// Minimize over the free sites of a region, where each class is to be even by itself and with all
-/// that are around it. The first term of what is found is that of all, the next ones those of the
-/// classes; if there is but one class on the part, its term is that of all.
+/// Minimize over the free sites of a region so that each class is even by itself and together with
+/// all others around it. The first term of the result is that of the union, followed by those of
+/// the classes; with only one class on the part there is a single term.
 [[nodiscard]] Minimum even_among(std::span<const Self> selves, const Company& company,
                                  const OptimizerOptions& options, Context* context);
 

@@ -5,8 +5,8 @@
 
 namespace dapple {
 
-/// A part of a surface on which each site is to have a given capacity: at the part's rim cells are
-/// cut off, so what its own mass is says nothing of that.
+/// A part of a surface on which each site is to have a given capacity. Cells are cut off at the rim
+/// of the part, so this cannot follow from the part's own capacity.
 class PartDomain final : public Domain {
  public:
   /// \param domain   of the part; must outlive this

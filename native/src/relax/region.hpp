@@ -6,13 +6,13 @@
 
 namespace dapple {
 
-/// The sites of one round: a part of the surface and what lies on it.
+/// The sites of one round and the part of the surface that they lie on.
 struct Region {
   struct Member {
     std::int32_t site;
     bool fixed;
-    bool open;      // others may come into its cell, even if it is locked
-    bool measured;  // it may move, or is beside one that may
+    bool open;      // new sites may be inserted into its cell, even if it is locked
+    bool measured;  // it may move, or has a neighbor that may
   };
 
   SurfacePart part;
@@ -27,8 +27,8 @@ struct Region {
     sites.barycentric.push_back(from.barycentric[k]);
   }
 
-  /// Put where members that may move were found back among all sites.
-  /// \param first of its members among those found
+  /// Copy the new places of movable members back to all sites.
+  /// \param first index of the first member among the found sites
   void put_free(const Sites& found, std::size_t first, Sites& all) const {
     for (std::size_t k = 0; k < members.size(); ++k) {
       if (members[k].fixed) continue;

@@ -14,8 +14,8 @@ namespace dapple {
 struct SharedCells;
 struct Thinned;
 
-/// Makes the sites even around what has changed, on a part of the surface that grows as long as
-/// sites at its border are uneven.
+/// Optimizes the sites around a change, on a part of the surface that grows until the sites at its
+/// border are even.
 class Relaxation {
  public:
   /// \param surface, options, company must outlive the relaxation
@@ -28,14 +28,14 @@ class Relaxation {
   /// \throw ArgumentError for a count that the region cannot reach; Cancelled
   void run(std::span<const OrderedFace> changed, Context* context);
 
-  /// Those given, then the new ones.
+  /// The given sites, then the new ones.
   [[nodiscard]] const Sites& sites() const { return sites_; }
   [[nodiscard]] bool is_alive(std::size_t site) const { return alive_[site]; }
-  /// Whether it could move.
+  /// Whether the site was free to move.
   [[nodiscard]] bool is_free(std::size_t site) const { return free_[site]; }
-  /// Those that it was solved on last; sorted.
+  /// Faces of the last region; sorted.
   [[nodiscard]] const std::vector<OrderedFace>& faces() const { return faces_; }
-  /// Of the free sites and those beside them.
+  /// Evenness of the free sites and their neighbors.
   [[nodiscard]] const Report& report() const { return report_; }
 
  private:
@@ -88,11 +88,12 @@ class Relaxation {
   Rings rings_;  // of the sites as they were given
   std::span<const OrderedFace> changed_;
   std::vector<OrderedFace> faces_;  // of the last region
-  Indices owners_;                  // of what has changed; sorted
-  Indices region_;                  // the given sites that are even again, or gone; sorted
-  Indices border_;                  // those and the sites beside them; sorted
-  double capacity_ = 0.0;           // of a site around the region, as the domains' integrals
-  double share_ = 0.0;              // of one in it: another than around where a count is wanted
+  Indices owners_;                  // owners of changed faces; sorted
+  Indices region_;                  // given sites that have been optimized or removed; sorted
+  Indices border_;                  // the region and its neighbors; sorted
+  double capacity_ =
+      0.0;  // mean capacity of a site around the region, in the unit of the domains' integrals
+  double share_ = 0.0;  // of a site in the region; differs from capacity_ if a count is wanted
   std::unordered_map<std::int32_t, double> first_capacities_;  // before anything has moved
   Report report_;
 };

@@ -10,26 +10,26 @@
 
 namespace dapple {
 
-/// Which cells lie beside which, and over which faces they go: known of those that are asked for
-/// alone, at the price of these. All sites are the caller's.
+/// Adjacency of cells and the faces that they cover, computed only for the cells that are asked
+/// for. All sites are the caller's.
 class Rings {
  public:
   /// \param surface must outlive the rings
   Rings(const Surface& surface, const Sites& sites);
 
-  /// The sites whose cells have a part of one of the faces; sorted.
+  /// The sites whose cells overlap one of the faces; sorted.
   /// \param faces sorted
   /// \throw Cancelled
   [[nodiscard]] std::vector<std::int32_t> owners(std::span<const OrderedFace> faces,
                                                  const Context* context);
 
-  /// The sites and those beside them; sorted.
+  /// The sites and their neighbors; sorted.
   /// \param sites sorted
   /// \throw Cancelled
   [[nodiscard]] std::vector<std::int32_t> grown(std::span<const std::int32_t> sites,
                                                 const Context* context);
 
-  /// The faces that the cells of sites have a part of; sorted.
+  /// The faces that the sites' cells overlap; sorted.
   /// \throw Cancelled
   [[nodiscard]] std::vector<OrderedFace> faces(std::span<const std::int32_t> sites,
                                                const Context* context);

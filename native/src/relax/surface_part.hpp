@@ -8,7 +8,7 @@
 
 namespace dapple {
 
-/// Some faces of a surface as a surface of their own, connected as they were.
+/// Some faces of a surface as a surface of their own, with their connectivity.
 class SurfacePart {
  public:
   /// \param faces sorted; at least one
@@ -16,11 +16,11 @@ class SurfacePart {
   SurfacePart(const Surface& whole, std::span<const OrderedFace> faces, Context* context);
 
   [[nodiscard]] const Surface& surface() const { return surface_; }
-  /// The caller's faces of the whole as the part's; -1 for those that are not in it.
+  /// Faces of the whole surface (caller's indices) as faces of the part; -1 for faces outside it.
   [[nodiscard]] std::int32_t inside(std::int32_t face) const {
     return inside_[static_cast<std::size_t>(face)];
   }
-  /// The part's faces as the caller's of the whole.
+  /// Faces of the part as faces of the whole surface (caller's indices).
   [[nodiscard]] std::int32_t outside(std::int32_t face) const {
     return outside_[static_cast<std::size_t>(face)];
   }
@@ -31,9 +31,10 @@ class SurfacePart {
   std::vector<std::int32_t> inside_;
 };
 
-/// Faces and those that only they surround: what no way leads out of without crossing them.
+/// The faces together with the holes that they enclose: faces from which every path outward crosses
+/// them.
 /// \param faces sorted
-/// \param most  faces; a larger hole is none
+/// \param most  number of faces; larger holes are not filled
 /// \return sorted
 [[nodiscard]] std::vector<OrderedFace> without_holes(const Surface& surface,
                                                      std::vector<OrderedFace> faces,

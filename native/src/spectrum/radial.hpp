@@ -10,7 +10,7 @@
 
 namespace dapple {
 
-/// Gathers mean and variance over annuli (Welford 1962: one pass, no cancellation).
+/// Accumulates mean and variance over annuli (Welford 1962: one pass, no cancellation).
 class Annuli {
  public:
   explicit Annuli(std::size_t count) : annuli_(count) {}

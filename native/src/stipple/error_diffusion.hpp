@@ -15,10 +15,9 @@ struct Diffused {
 
 /// Exactly counts[c] dots of each class c, their number per area in proportion to densities[c], by
 /// error diffusion (Floyd and Steinberg 1976, rows in alternating directions): each block of pixels
-/// asks for its share of every class, gets the nearest whole number of dots, of the classes that
-/// lack most, and passes on what it lacks or has too much of to the blocks not yet visited. A dot's
-/// place in its block is random. Blocks are so large that one dot comes to four of them; a pixel is
-/// never divided.
+/// gets the nearest whole number of dots to its share, from the classes that lack most, and passes
+/// its error on to the blocks not yet visited. A dot's place in its block is random. Blocks are so
+/// large that there is one dot for every four of them; a pixel is never divided.
 /// \pre densities are of one shape, >= 0, each with a sum > 0 where counts[c] > 0
 /// \throw Cancelled
 [[nodiscard]] Diffused diffuse_errors(std::span<const Image> densities,

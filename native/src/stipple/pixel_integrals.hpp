@@ -9,8 +9,8 @@
 
 namespace dapple {
 
-/// Exact integrals over polygons of a density that is constant on each pixel [c, c + 1] x
-/// [r, r + 1] of an image; one per thread. The cost grows with the pixels that a polygon covers.
+/// Exact integrals over polygons of a density that is constant on each pixel [c, c + 1] x [r, r +
+/// 1] of an image; one per thread. The cost grows with the number of pixels that a polygon covers.
 ///
 /// By Green's theorem, the integral of g is that of G dy around the polygon, where dG/dx = g. The
 /// boundary is split at the pixels' lines; on a piece G is a polynomial of degree 3 at most, for
@@ -21,7 +21,7 @@ class PixelIntegrals {
   /// \param image must outlive this
   explicit PixelIntegrals(const Image& image) : image_(&image) {}
 
-  /// Turn to a polygon of the site at `origin`, inside the image.
+  /// Start a polygon of the site at `origin`, inside the image.
   void reset(const FlatPolygon& polygon, const Vec2& origin);
 
   /// Integrals over the polygon, relative to the site.

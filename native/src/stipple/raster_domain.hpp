@@ -7,8 +7,8 @@
 namespace dapple {
 
 /// A picture in its own coordinates: [0, columns] x [0, rows] with a density that is constant on
-/// each pixel. The same cells as those of a flat mesh, at the price of the pixels they cover, and
-/// without the memory of one.
+/// each pixel. The cells equal those of a flat mesh, at the cost of the pixels that they cover and
+/// without the memory of a mesh.
 ///
 /// A site's face is the pixel that holds it, row * columns + column.
 class RasterDomain final : public Domain {

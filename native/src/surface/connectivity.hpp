@@ -10,9 +10,9 @@
 
 namespace dapple {
 
-/// Faces and vertices in an order of their own (along Morton curves, which is kind to caches;
-/// *ordered* for short), how that maps to the caller's, and which faces are neighbors. All surfaces
-/// deformed from one share it.
+/// Faces and vertices in their own order (along Morton curves, for the cache; *ordered* for short),
+/// the maps to the caller's order, and which faces are neighbors. All surfaces deformed from one
+/// share it.
 struct Connectivity {
   std::optional<double> weld;                  // see SurfaceOptions
   std::vector<Face> faces;                     // ordered faces of ordered vertices

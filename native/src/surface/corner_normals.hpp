@@ -19,15 +19,15 @@ namespace dapple {
                                                                 double sharp_angle,
                                                                 std::span<const Vec3> corners);
 
-/// Unit normals at the corners of faces: those that are given, elsewhere the mean of the faces
-/// around that are joined to this one by edges that are not hard, weighted by their angles at the
+/// Unit normals at the corners of faces: the given ones, elsewhere the mean over the surrounding
+/// faces that are joined to this one by edges that are not hard, weighted by their angles at the
 /// vertex (Thuermer and Wuethrich 1998). Zero where these cancel.
 class CornerNormals {
  public:
   /// \param faces the caller's indices of the faces
   CornerNormals(const OrderedSurface& mesh, std::span<const std::int32_t> faces);
 
-  /// \pre the face is wanted
+  /// \pre the face was requested
   [[nodiscard]] const Vec3& at(OrderedFace face, std::int32_t corner) const;
 
  private:

@@ -7,7 +7,7 @@
 
 namespace dapple {
 
-/// Moments that are being added up.
+/// Sums of moments.
 struct Integrals {
   double area = 0.0, capacity = 0.0, mass = 0.0, second = 0.0;
   Triple first = {0.0, 0.0, 0.0};

@@ -8,9 +8,9 @@
 
 namespace dapple {
 
-/// The parts of a surface that are connected where there is density: over edges that have some.
-/// Sites do not come from one to another, so each needs its own number of them. Where there is
-/// density everywhere they are the components.
+/// The parts of a surface that are connected over edges with density. Sites do not move from one
+/// part to another, so each needs its own number of them. If the density is positive everywhere,
+/// the parts are the components.
 class Islands {
  public:
   /// \param surface must outlive this

@@ -7,10 +7,10 @@
 
 namespace dapple {
 
-/// What a value of a file belongs to.
+/// The elements of a mesh that values of a file belong to.
 enum class Owner { kNothing, kVertices, kCorners, kPolygons };
 
-/// Values of one kind, and where a polygon's corners have theirs.
+/// Values of one kind, and the indices by which polygon corners refer to them.
 template <typename T>
 struct Rows {
   Owner owner = Owner::kNothing;
@@ -31,7 +31,7 @@ struct Rows {
 /// Of a color of three numbers: no opacity was given.
 inline constexpr float kNoOpacity = -1.0f;
 
-/// A part of a color as it is stored; what is no number, or below 0, is 0.
+/// A component of a stored color; NaN and negative values become 0.
 [[nodiscard]] inline float channel(double value) {
   return value > 0.0 ? static_cast<float>(std::min(value, 1e9)) : 0.0f;
 }
@@ -45,10 +45,10 @@ class MeshBuilder {
   Rows<Color> colors = {};                     ///< up to 1, or up to 255 if one is larger
   std::vector<MeshAttribute> attributes = {};  ///< those of faces with a value for each polygon
 
-  /// \param corners vertices from 0 on; whether they are there is known at the end
+  /// \param corners vertex indices from 0; checked by build()
   void add_polygon(std::span<const std::int64_t> corners);
 
-  /// \throw ReadError naming the first polygon with a vertex that is not there
+  /// \throw ReadError naming the first polygon with a missing vertex
   [[nodiscard]] MeshArrays build();
 
  private:

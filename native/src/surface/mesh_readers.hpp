@@ -8,8 +8,8 @@
 
 namespace dapple {
 
-// Each reads the bytes of one format, whatever they are: a number or an index is looked at before
-// it is used, a count before memory is asked for.
+// Each reads arbitrary bytes as one format: numbers and indices are checked before they are used,
+// and counts before memory is allocated.
 // \throw ReadError
 
 /// OFF in text, also with colors, normals or texture coordinates.

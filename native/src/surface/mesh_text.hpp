@@ -56,7 +56,7 @@ class Lines {
     throw ReadError("line " + std::to_string(number) + " " + why);
   }
 
-  /// The number in a word, which is said to be `what`.
+  /// The number in a word; `what` names it in errors.
   /// \throw ReadError naming the line
   template <typename T>
   [[nodiscard]] T number_in(std::string_view word, const char* what) const;
@@ -97,7 +97,7 @@ class Lines {
   char comment_;
 };
 
-/// For messages: not more than fits on a line, nothing that cannot be printed.
+/// For messages: shortened to fit a line, without unprintable characters.
 inline std::string quoted(std::string_view word) {
   std::string text = "'";
   for (const char c : word.substr(0, 40)) text += c >= ' ' && c <= '~' ? c : '?';
@@ -169,15 +169,15 @@ std::array<double, N> Lines::numbers(std::size_t first, const char* what) const 
   return values;
 }
 
-/// Whether two words are the same but for capital letters, of which `small` has none.
+/// Whether two words are equal except for capital letters; `small` has none.
 [[nodiscard]] inline bool same_word(std::string_view word, std::string_view small) {
   return std::equal(word.begin(), word.end(), small.begin(), small.end(), [](char a, char b) {
     return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
   });
 }
 
-/// A text as programs of other systems write it: UTF-16 becomes UTF-8, a byte order mark goes, and
-/// lines that end with a carriage return alone end with a line feed.
+/// A text normalized: UTF-16 becomes UTF-8, a byte order mark is removed, and lines that end with a
+/// carriage return alone end with a line feed.
 class PlainText {
  public:
   explicit PlainText(std::string_view bytes);

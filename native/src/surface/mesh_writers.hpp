@@ -8,9 +8,9 @@
 namespace dapple {
 
 // The bytes of a file, in each of the formats.
-// \pre the faces' vertices are there
+// \pre the faces' vertices exist
 
-/// Text with the fewest digits that give the same numbers back.
+/// Text with the fewest digits from which the same numbers can be read.
 [[nodiscard]] std::string to_off(std::span<const Vec3> vertices, std::span<const Face> faces);
 [[nodiscard]] std::string to_obj(std::span<const Vec3> vertices, std::span<const Face> faces);
 

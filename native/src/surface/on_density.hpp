@@ -11,11 +11,11 @@ namespace dapple {
 /// Whether a face has an area with density.
 [[nodiscard]] bool has_density(const Surface& surface, OrderedFace face);
 
-/// Whether a sample may be at a point of the caller's face: where the density is above 0.
+/// Whether a sample may lie at a point of the caller's face, that is, whether the density there is
+/// above 0.
 [[nodiscard]] bool is_on_density(const Surface& surface, std::int32_t face, const Vec3& weights);
 
-/// Move points at which their face's density falls to exactly 0, at its end, a little toward where
-/// it is largest.
+/// Move points at which the face's density is exactly 0 a little toward its largest value.
 /// \param faces the caller's, each with some density
 void move_off_zeros(const Surface& surface, std::span<const std::int32_t> faces,
                     std::span<Vec3> weights, std::span<Vec3> positions);

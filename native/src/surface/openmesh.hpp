@@ -8,8 +8,8 @@
 
 namespace dapple {
 
-// What it prints about faces that do not fit is no news: whoever adds them looks at what comes
-// back.
+// Its messages about faces that do not fit are suppressed, because callers check the returned
+// handles.
 inline const bool kOpenMeshIsQuiet = (omerr().disable(), true);
 
 struct DoubleTraits : OpenMesh::DefaultTraits {

@@ -6,11 +6,11 @@
 
 namespace dapple {
 
-/// A face in a surface's own order (see Connectivity). The caller's indices are plain integers: the
-/// two cannot be taken for each other.
+/// A face in a surface's own order (see Connectivity). The caller's indices are plain integers, so
+/// the two cannot be confused.
 enum class OrderedFace : std::int32_t {};
 
-/// As an index of what is stored in that order, and back.
+/// Conversion to an array index, and back.
 constexpr std::size_t as_index(OrderedFace face) { return static_cast<std::size_t>(face); }
 constexpr OrderedFace nth_face(std::size_t index) { return static_cast<OrderedFace>(index); }
 

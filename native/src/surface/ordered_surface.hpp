@@ -12,7 +12,7 @@
 
 namespace dapple {
 
-/// What the algorithms need to know of one face: two lines of memory.
+/// The data of one face that algorithms need: two cache lines.
 struct alignas(64) FaceGeometry {
   Vec3 normal = Vec3::Zero();            ///< unit; zero for a face without area
   Vec3 density_gradient = Vec3::Zero();  ///< of the linear density, in the face's plane
@@ -20,8 +20,9 @@ struct alignas(64) FaceGeometry {
   Moments moments;  ///< of the whole face, relative to its centroid
 };
 
-/// A surface as the algorithms see it: faces and vertices in their own order (see Connectivity),
-/// in which all indices here are unless they are called the caller's. Immutable; copies share all.
+/// A surface as the algorithms see it. Faces and vertices have their own order (see Connectivity),
+/// which all indices here refer to unless they are called the caller's. Immutable; copies share
+/// everything.
 class OrderedSurface {
  public:
   /// \throw SurfaceError if there is no area, no density where there is area, or an area that is
@@ -33,16 +34,16 @@ class OrderedSurface {
   OrderedSurface(std::span<const Vec3> vertices, std::shared_ptr<const Connectivity> connectivity,
                  const Density& density, Context* context = nullptr);
 
-  /// The same with moved vertices, or another density (both in the caller's order). What is known
-  /// of faces is measured anew where something differs, and shared elsewhere. Hard edges stay;
-  /// moved vertices have no normals that are given.
+  /// The same with moved vertices, or another density (both in the caller's order). Geometry is
+  /// computed again for faces that differ, and shared for the others. Hard edges stay; given
+  /// normals are dropped if vertices move.
   /// \pre as many as before.
   /// \throw SurfaceError as the constructor
   [[nodiscard]] OrderedSurface deformed(std::span<const Vec3> vertices,
                                         Context* context = nullptr) const;
   [[nodiscard]] OrderedSurface with_density(const Density& density,
                                             Context* context = nullptr) const;
-  /// The same, shaded in another way; one that was just made has no hard edges yet.
+  /// The same with other shading; a new surface has no hard edges yet.
   [[nodiscard]] OrderedSurface shaded(std::shared_ptr<const Shading> shading) const;
 
   /// The faces whose corners or densities differ from another's of the same connectivity; sorted.
@@ -53,23 +54,23 @@ class OrderedSurface {
   [[nodiscard]] double area() const { return geometry_->area; }
   /// Integral of the density, in the caller's unit.
   [[nodiscard]] double capacity() const { return unit_capacity() / density_unit(); }
-  /// Integral of the density times density_unit(), as those of faces and cells.
+  /// Integral of the density times density_unit(), as for faces and cells.
   [[nodiscard]] double unit_capacity() const { return geometry_->unit_capacity; }
-  /// What `geometry` and domains have multiplied the density by: 1, unless the mean density lies
-  /// beyond 2^64 or 2^-64; then the power of two that brings it near 1, so that squares of
-  /// integrals stay in the range of numbers.
+  /// The factor of the density in `geometry` and in domains: 1 unless the mean density lies beyond
+  /// 2^64 or 2^-64; then a power of two that brings it near 1, so that squares of integrals neither
+  /// overflow nor underflow.
   [[nodiscard]] double density_unit() const { return geometry_->density_unit; }
 
   [[nodiscard]] OrderedFace ordered_face(std::int32_t callers) const {
     return connectivity_->ordered_face[static_cast<std::size_t>(callers)];
   }
-  /// The same; of a face that does not count, the one that it lies on.
+  /// The same; for a face that does not count, the face that it lies on.
   [[nodiscard]] OrderedFace counted_face(std::int32_t callers) const {
     const OrderedFace face = ordered_face(callers);
     const DoubledFace* doubled = doubled_face(face);
     return doubled ? doubled->counted : face;
   }
-  /// What is known of a face that does not count; null if it does.
+  /// The record of a face that does not count; null if it counts.
   [[nodiscard]] const DoubledFace* doubled_face(OrderedFace face) const;
   [[nodiscard]] bool counts(OrderedFace face) const { return !doubled_face(face); }
   /// Whether a half-edge is the only one of its edge.
@@ -95,7 +96,7 @@ class OrderedSurface {
     const auto [a, b, c] = corners(face);
     return weights[0] * vertex(a) + weights[1] * vertex(b) + weights[2] * vertex(c);
   }
-  /// Ask for what is known of a face, before it is needed.
+  /// Prefetch the data of a face.
   void prefetch(OrderedFace face) const {
 #if defined(__GNUC__)
     const auto* bytes = reinterpret_cast<const char*>(&geometry(face));
@@ -111,7 +112,7 @@ class OrderedSurface {
   [[nodiscard]] std::int32_t component(OrderedFace face) const {
     return connectivity_->component[as_index(face)];
   }
-  /// The lowest vertex that another hangs together with over connected edges.
+  /// The lowest vertex of the welded group of a vertex.
   [[nodiscard]] std::int32_t welded(std::int32_t vertex) const {
     return connectivity_->welded_vertex[static_cast<std::size_t>(vertex)];
   }

@@ -11,8 +11,8 @@
 
 namespace dapple {
 
-/// Lists of points by the hash of their cell, all in two arrays: a map of vectors takes long to
-/// grow, and longer to be given back.
+/// Lists of points by the hash of their cell, all in two arrays, because a map of vectors is slow
+/// to grow and to free.
 class Buckets {
  public:
   explicit Buckets(std::size_t points) : slots_(kFewest), next_(points, -1) {}
@@ -41,7 +41,7 @@ class Buckets {
   };
   static constexpr std::size_t kFewest = 1024;  // a power of two, as all sizes are
 
-  /// Where the key is, or else the free slot for it.
+  /// The slot of the key, or else the free slot for it.
   [[nodiscard]] std::size_t find(std::uint64_t key) const {
     std::size_t at = ((key ^ (key >> 32)) * 0x9e3779b97f4a7c15u >> 32) & (slots_.size() - 1);
     while (slots_[at].first >= 0 && slots_[at].key != key) at = (at + 1) & (slots_.size() - 1);

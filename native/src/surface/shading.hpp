@@ -5,8 +5,8 @@
 
 namespace dapple {
 
-/// How a surface is shaded: where its normals jump, and those that the caller gave. All in the
-/// surface's own order. Surfaces deformed from one another share the hard edges.
+/// The shading of a surface: hard edges and given normals, in the surface's own order. Surfaces
+/// deformed from one another share the hard edges.
 struct Shading {
   double sharp_angle = 30.0;       ///< see SurfaceOptions
   std::vector<std::uint8_t> hard;  ///< per face, bit k: the edge from corner k on is hard

@@ -6,13 +6,13 @@
 
 namespace dapple {
 
-/// The samples of one class, with the energy that it has in the report of all.
+/// The samples of one class, with its energy from the report of all.
 /// \param surface with the density of the class
 [[nodiscard]] Samples of_class(const Surface& surface, const Samples& all, std::int32_t one);
 
-/// Classes together, some of whose samples are no more or new: first those that stay, in their
-/// order. Nothing is measured.
-/// \param parts samples of each class; those that stay have their ids
+/// Join classes, some of whose samples were removed or added: first those that stay, in their
+/// order. The report is not computed.
+/// \param parts samples of each class; those that stay keep their ids
 [[nodiscard]] Samples joined(const Surface& surface, const Samples& before,
                              std::span<const Samples> parts);
 

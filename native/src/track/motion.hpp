@@ -7,22 +7,21 @@
 
 namespace dapple {
 
-/// Whether a surface has vertices of these very bytes (in the caller's order).
+/// Whether the surface has exactly these vertices (in the caller's order).
 [[nodiscard]] bool has_vertices(const Surface& surface, std::span<const Vec3> vertices);
 
-/// How a body's shape changes from one frame to the next, apart from moving, scaling and mirroring
-/// as a whole: those leave samples as even as they are.
+/// The change of a body's shape from one frame to the next, apart from moving, scaling and
+/// mirroring as a whole, which do not affect evenness.
 struct Motion {
-  std::vector<Vec3>
-      target;           ///< the next frame, moved, scaled and mirrored to where the last one is
-  double extent = 0.0;  ///< longest way of a vertex to its target, relative to the diagonal of a
-                        ///< box of its spread
+  std::vector<Vec3> target;  ///< the next frame, moved, scaled and mirrored onto the last one
+  double extent = 0.0;  ///< longest distance of a vertex from its target, relative to the diagonal
+                        ///< of a box of its spread
 };
 
 /// \param before, after vertices of the same body, as many
-/// \param faces whose vertices move; one that belongs to none may be anywhere
-/// \param measured those that tell how the body moves as a whole, so that the vertices that a file
-/// repeats do not count more than others; at least one
+/// \param faces whose vertices count; a vertex without a face is ignored
+/// \param measured the vertices from which the motion as a whole is estimated, without repeated
+/// ones, so that all count alike; at least one
 [[nodiscard]] Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after,
                                     std::span<const Face> faces,
                                     std::span<const std::int32_t> measured);

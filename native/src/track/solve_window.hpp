@@ -9,7 +9,7 @@
 
 namespace dapple {
 
-/// The first frame of a motion, whose evenness all others are brought back to.
+/// The first frame of a motion, the reference for the evenness of all others.
 struct MotionStart {
   /// \throw ArgumentError as Tracker; Cancelled
   MotionStart(const Surface& surface, const Samples& samples, const WindowOptions& options,
@@ -20,11 +20,11 @@ struct MotionStart {
   FrameSolver solver;
 };
 
-/// \throw SurfaceError naming the first frame that is none of the surface
+/// \throw SurfaceError naming the first frame that does not belong to the surface
 void check_frames(const Surface& surface, std::span<const std::vector<Vec3>> frames);
 
 /// Samples on frames of a motion that are solved together.
-/// \param begin at the frame before them, whose samples stay
+/// \param begin a tracker at the frame before them, whose samples stay
 /// \param known samples of the first of the frames, from when those were the last ones of others
 /// that
 ///              were solved together: over them, what was found then passes into what is found now

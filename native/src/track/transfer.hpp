@@ -7,27 +7,28 @@
 
 namespace dapple {
 
-/// Points that have a place on another surface.
+/// Points and their places on another surface.
 struct Transferred {
   std::vector<std::int32_t> which;  ///< their indices; sorted
   Sites sites;                      ///< and places
 };
 
-/// How far points of a surface may be from it in the next frame.
+/// How far from their previous positions points may find the next frame's surface.
 struct Reach {
   double density = 0.0;   ///< number of samples per capacity, > 0
-  double spacings = 0.0;  ///< local ones, of so many samples
+  double spacings = 0.0;  ///< in local spacings of that many samples
 };
 
-/// From a surface to the next frame's, whose faces need not be the same: nobody knows where a point
-/// has gone. So it moves as brings those around it closest to the surface, and then goes to the
-/// nearest place on the same side. A point that has none within reach has lost its surface.
+/// Transfers points from a surface to the next frame's, whose faces may differ, so that
+/// correspondences are unknown. Each point moves with its surroundings so that these come closest
+/// to the new surface, then goes to the nearest point on the same side. A point without one within
+/// reach has lost its surface.
 ///
-/// A component that moves farther than the reach takes its points along: their reach is more than
-/// twice what half of them need.
+/// A component that moves farther than the reach takes its points along, because the reach of its
+/// points is at least twice the median distance.
 class Transfer {
  public:
-  /// \param samples sites of `before` that tell how far each of its components moves
+  /// \param samples sites of `before` from which the motion of its components is estimated
   /// \throw Cancelled
   Transfer(const Surface& before, const Surface& next, const Sites& samples, const Reach& reach,
            const Context* context);

@@ -8,19 +8,20 @@
 
 namespace dapple {
 
-/// Where samples begin on a surface of other faces: those that stay, then those that are born.
+/// Initial places of samples on a surface of other faces: first those that stay, then those that
+/// are born.
 struct Turnover {
   Sites sites;
-  std::vector<std::int32_t> origin;  ///< per site its index so far, or -1
+  std::vector<std::int32_t> origin;  ///< per site its previous index, or -1
 };
 
-/// Births and deaths on a surface of other faces. Those die first that have least room, and the
-/// others are born where there is most. Where the area is as large as before, no more than 0.5 % of
-/// the samples come and go.
+/// Births and deaths on a surface of other faces. Samples with the least room die first, and new
+/// ones are born where there is most. If the area is unchanged, at most 0.5 % of the samples come
+/// and go.
 /// \param domain of the surface
 /// \param there the samples that have a place
-/// \param before how many there were
-/// \param count how many there are to be
+/// \param before previous number of samples
+/// \param count wanted number of samples
 /// \throw Cancelled
 [[nodiscard]] Turnover turn_over(const Surface& surface, const Domain& domain,
                                  const Transferred& there, std::size_t before, std::size_t count,

@@ -15,37 +15,36 @@ struct Bisector {
   Vec3 normal;  ///< x_j - x_i
   double offset;
   double squared_distance;
-  std::int32_t site;  ///< j, ordered
-  bool idle = false;  ///< whether it is known to cut nothing off any face
+  std::int32_t site;  ///< j, an ordered site
+  bool idle = false;  ///< whether it is known to clip no face
 };
 
-/// Which sites compete with one.
+/// Which sites compete with a site.
 enum class Rivals {
   kAll,
-  kInSight  ///< but for those of other components that look the other way
+  kInSight  ///< all except those of other components that face the other way
 };
 
-/// The bisectors of one site: those with near sites in order of distance, looked for as far as
-/// someone asks, and where these do not decide a face those with sites that are near that face.
+/// The bisectors of one site: those with near sites in order of distance, found on demand, and for
+/// faces that these do not decide, those with sites near the face.
 class Bisectors {
  public:
   /// The arguments must outlive the bisectors.
   Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
 
-  /// After the sites have changed.
+  /// Call after the sites have changed.
   void restart() { near_.restart(); }
 
-  /// Turn to a site.
+  /// Start a site.
   void reset(std::int32_t site, Rivals rivals = Rivals::kAll);
 
-  /// Turn to a site for a face far from it: none is near.
+  /// Start a site for a face far from it: no bisector counts as near.
   void reset_far(std::int32_t site);
 
-  /// Turn to a site, with `others` alone, whether it is one of them or not.
+  /// Start a site that competes with `others` only, whether it is one of them or not.
   void reset_among(std::int32_t site, std::span<const std::int32_t> others);
 
-  /// The site that owns the cell: of those at the same place the one of the lowest (caller's)
-  /// index.
+  /// The site that owns the cell: of coincident sites the one of lowest (caller's) index.
   [[nodiscard]] std::int32_t owner() const { return owner_; }
 
   /// Near bisector k, or null if there are no more.
@@ -55,31 +54,31 @@ class Bisectors {
     return k < settled_ ? bisectors_.data() + k : nullptr;
   }
 
-  /// Whether there are no others than those that at() gives.
+  /// Whether at() already gives all bisectors.
   [[nodiscard]] bool complete() const { return complete_; }
 
-  /// One that is known, near or far.
+  /// A known bisector, near or far.
   [[nodiscard]] const Bisector& known(std::size_t k) const { return bisectors_[k]; }
 
-  /// The numbers of the far ones that are known.
+  /// The numbers of the known far bisectors.
   [[nodiscard]] std::size_t first_far() const { return settled_; }
   [[nodiscard]] std::size_t end() const { return bisectors_.size(); }
 
-  /// The number of the bisector with the site that is nearest to a point, relative to the site, of
-  /// those not among `others`, that is no near one and is as near as the site itself; kNone if
-  /// there is no such site.
+  /// The number of the bisector with the site nearest to a point (relative to the site) among those
+  /// not in `others`, if it is at least as near as the site itself and not a near one; otherwise
+  /// kNone.
   static constexpr std::size_t kNone = ~std::size_t{0};
   [[nodiscard]] std::size_t nearest_to(const Vec3& point, std::span<const std::int32_t> others);
 
-  /// Note that those up to a squared distance decide where the cell ends.
+  /// Record that the bisectors up to a squared distance decide the cell.
   void note_need(double squared_distance) {
     near_.note_need(std::min(squared_distance, most_needed_));
   }
 
-  /// Time spent looking for sites.
+  /// Time spent on neighbor searches.
   [[nodiscard]] Laps& laps() { return laps_; }
 
-  /// How many are known in their final order so far.
+  /// Number of bisectors known in their final order so far.
   [[nodiscard]] std::size_t settled() const { return settled_; }
   /// Their half-spaces, by the same numbers.
   [[nodiscard]] const HalfSpaces& half_spaces() const { return half_spaces_; }
@@ -106,15 +105,15 @@ class Bisectors {
   std::int32_t site_ = 0;
   std::int32_t owner_ = 0;
   std::size_t settled_ = 0;
-  bool complete_ = false;      // whether there are no others
-  bool ended_ = false;         // whether no others count as near
-  bool all_ = true;            // whether all that are near compete
+  bool complete_ = false;      // whether all are known
+  bool ended_ = false;         // whether no more count as near
+  bool all_ = true;            // whether all near ones compete
   std::vector<Rival> rivals_;  // the nearest first, as far as they were taken
   std::size_t next_rival_ = 0;
   std::vector<Bisector> bisectors_;
   HalfSpaces half_spaces_;  // of those that are settled
   NearSites near_;
-  double most_needed_ = 0.0;  // beyond it bisectors are looked for in another way
+  double most_needed_ = 0.0;  // beyond it bisectors are found in another way
   Laps laps_;
 };
 

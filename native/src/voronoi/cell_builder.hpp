@@ -11,8 +11,8 @@
 
 namespace dapple {
 
-/// Computes the cells of one set of sites after another on a surface. It keeps the memory that this
-/// takes: with as many sites as before, hardly anything is allocated again.
+/// Computes the cells of one set of sites after another on a surface, and keeps its memory: with as
+/// many sites as before, hardly anything is allocated again.
 class CellBuilder {
  public:
   /// \param surface must outlive the builder
@@ -20,18 +20,18 @@ class CellBuilder {
   CellBuilder(const CellBuilder&) = delete;
   CellBuilder& operator=(const CellBuilder&) = delete;
 
-  /// \param graph   of the caller's sites, or null; must outlive the use of polygons()
+  /// \param graph   of the caller's sites, or null; must outlive calls of polygons()
   /// \param leaves_gaps whether, where cells follow the surface, faces without density that are far
   ///                from all sites may belong to none, and parts without any site do
-  /// \param result  takes the diagram, in the memory that it has
+  /// \param result  receives the diagram, in its own memory
   void build(const Sites& sites, const SiteGraph* graph, Cells cells, bool leaves_gaps,
              Context* context, RestrictedVoronoi& result);
 
-  /// Of the cells that were built last.
+  /// The polygons of the cells built last.
   [[nodiscard]] std::vector<CellPolygon> polygons(Context* context);
 
  private:
-  /// What one thread works with.
+  /// The working memory of one thread.
   struct Worker {
     explicit Worker(const CellBuilder& builder)
         : flood(builder.surface_, builder.sites_, builder.index_),
@@ -47,7 +47,7 @@ class CellBuilder {
     std::vector<OrderedFace> seeds;      // of its flood
   };
 
-  /// What a chunk of cells leaves until its place in the result is known.
+  /// The output of a chunk of cells until its place in the result is known.
   struct Chunk {
     std::span<const std::int32_t> sites;
     std::vector<CellBoundary> boundaries;
@@ -99,10 +99,10 @@ class CellBuilder {
   const Surface& surface_;
   OrderedSites sites_;
   SiteIndex index_;
-  bool whole_ = false;      // no cell can have parts that its site does not reach
+  bool whole_ = false;      // no cell can have parts that are not connected to its site
   bool connected_ = false;  // cells follow the surface
-  bool gaps_ = false;       // far faces without density are left
-  bool leaves_ = false;     // those and parts without any site
+  bool gaps_ = false;       // far faces without density belong to no cell
+  bool leaves_ = false;     // nor do parts without any site
   std::vector<bool>
       empty_;  // per ordered face, whether it has no density; only where some have none
   double full_area_ = 0.0;               // of the others

@@ -7,24 +7,24 @@
 
 namespace dapple {
 
-/// Walks the pieces of one cell after another; one per thread. Sites are ordered ones.
+/// Visits the pieces of one cell after another; one object per thread. Sites are ordered sites.
 class CellFlood {
  public:
   /// The arguments must outlive the flood.
   CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
 
-  /// After the sites have changed.
+  /// Call after the sites have changed.
   /// \param gaps whether floods may leave out faces without density far from their site
   void restart(bool gaps = false);
 
-  /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell, such as
+  /// Start a site. False if a coincident site of lower (caller's) index owns the cell, such as
   /// owner(), or another one that this leads to.
   bool reset(std::int32_t site, Rivals rivals = Rivals::kAll);
 
-  /// The same to clip faces that are far from it. Only without a graph of sites.
+  /// The same for clipping faces far from it. Only without a graph of sites.
   bool reset_far(std::int32_t site);
 
-  /// Turn to a site that competes with `others` only.
+  /// Start a site that competes with `others` only.
   void reset_among(std::int32_t site, std::span<const std::int32_t> others);
 
   [[nodiscard]] std::int32_t owner() const { return owner_; }
@@ -32,18 +32,19 @@ class CellFlood {
   [[nodiscard]] const Bisector& bisector(std::int32_t k) const {
     return bisectors_.known(static_cast<std::size_t>(k));
   }
-  /// How many bisectors are known.
+  /// Number of known bisectors.
   [[nodiscard]] std::size_t known() const { return bisectors_.end(); }
-  /// Time spent looking for the sites around.
+  /// Time spent on neighbor searches.
   [[nodiscard]] Laps& laps() { return bisectors_.laps(); }
   [[nodiscard]] const Polygon& polygon() const { return polygon_; }
-  /// The bisectors that cut the face clipped last, or whose site has it because it lies in them.
+  /// The bisectors that clipped the last face, or that contain the face and so give it to their
+  /// site.
   [[nodiscard]] std::span<const std::int32_t> cuts() const { return cuts_; }
 
   /// Clip a face to the site's cell; true if nothing was cut off.
   ///
-  /// What lies in a bisector, to rounding, is as near to one site as to the other: both give it to
-  /// the lower (caller's) index.
+  /// A face that lies in a bisector, up to rounding, is equally near to both sites; both calls give
+  /// it to the lower (caller's) index.
   bool clip(OrderedFace face);
 
   /// Call `visit(face, whole)` for each piece of the cell that is connected to one of the seeds.
@@ -105,7 +106,7 @@ class CellFlood {
   std::vector<std::int32_t>
       own_vertices_;  // per vertex: the last turn to a site of which it is sure
   std::int32_t turn_ = 0;
-  bool gaps_ = false;                 // whether far faces without density are left out ...
+  bool gaps_ = false;                 // whether far faces without density belong to no cell out ...
   double squared_gap_reach_ = 0.0;    // ... and how far they are
   bool whole_ = true;                 // whether it is the face
   std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it

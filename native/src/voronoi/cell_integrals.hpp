@@ -26,8 +26,8 @@ class CellIntegrals {
 
   [[nodiscard]] const Moments& moments() const { return moments_; }
 
-  /// Before the flood moves on to other bisectors: merge what was found with those used so far into
-  /// `out`, by site.
+  /// Before the flood moves on to other bisectors: merge the boundaries found with those used so
+  /// far into `out`, by site.
   void flush_boundary(const OrderedSites& sites, std::vector<CellBoundary>& out);
 
  private:

@@ -12,10 +12,10 @@
 
 namespace dapple {
 
-/// What the cells of so many sites are computed on.
+/// The surface that the cells of a given number of sites are computed on.
 struct CellSurface {
   std::shared_ptr<const SidedSurface> sided;  ///< see with_sides(); null where nothing differs
-  std::shared_ptr<const CutSurface> cut;      ///< that cut into pieces; null if it is not
+  std::shared_ptr<const CutSurface> cut;      ///< the same, cut into pieces; null if it is not cut
 
   /// The surface without the cuts.
   [[nodiscard]] const Surface& uncut(const Surface& whole) const {
@@ -27,7 +27,7 @@ struct CellSurface {
   }
 };
 
-/// A function of the surface and `count` alone. Only cells that follow the surface have sides.
+/// Depends only on the surface and `count`. Only cells that follow the surface have sides.
 /// \throw Cancelled
 [[nodiscard]] CellSurface cell_surface(const Surface& surface, std::size_t count, Cells cells,
                                        Context* context = nullptr);

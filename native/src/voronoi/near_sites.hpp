@@ -26,10 +26,10 @@ class NearSites {
   /// The arguments must outlive this.
   NearSites(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
 
-  /// After the sites have changed.
+  /// Call after the sites have changed.
   void restart();
 
-  /// Turn to a site.
+  /// Start a site.
   void turn_to(std::int32_t site);
 
   static constexpr std::size_t kMost = 51;  ///< largest number returned

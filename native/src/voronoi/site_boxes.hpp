@@ -12,13 +12,13 @@
 
 namespace dapple {
 
-/// Boxes around runs of points that are sorted in space: eight points a leaf, eight boxes a box. No
-/// links are kept, so that building it is one pass.
+/// Bounding boxes over points sorted along a space-filling curve: eight points per leaf, eight
+/// boxes per box. Without links, so that building takes one pass.
 class SiteBoxes {
  public:
   static constexpr std::size_t kFan = 8;
 
-  /// Of no points.
+  /// Empty.
   SiteBoxes() = default;
 
   /// \param points must outlive the boxes
@@ -42,7 +42,7 @@ class SiteBoxes {
     return levels_.size() > 1 ? box(1, leaf / kFan) : around_all();
   }
 
-  /// Call visit(group) for the groups of eight leaves that have points nearer than that, or may.
+  /// Call visit(group) for the groups of eight leaves that may have points nearer than that.
   template <typename Visit>
   void for_each_group_near(const Box& query, double limit, const Visit& visit) const {
     if (!points_.empty()) descend(levels_.size() - 1, 0, query, limit, visit);

@@ -7,8 +7,8 @@
 
 namespace dapple {
 
-/// For each site, the sites whose cells touch its own: what a Delaunay triangulation of the plane
-/// or the torus knows.
+/// For each site, the sites whose cells touch its own: the edges of a Delaunay triangulation of the
+/// plane or the torus.
 struct SiteGraph {
   struct Link {
     std::int32_t site;  ///< j

@@ -42,7 +42,7 @@ class OrderedSites {
 /// touch.
 class SiteIndex {
  public:
-  /// Of no sites, until update().
+  /// Empty until update().
   /// \param sites must outlive the index
   explicit SiteIndex(const OrderedSites& sites) : sites_(&sites) {}
   SiteIndex(const OrderedSites& sites, const SiteGraph* graph) : SiteIndex(sites) { update(graph); }
@@ -53,8 +53,8 @@ class SiteIndex {
 
   [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
   /// Only without a graph, as what follows: call visit(site) for all sites whose squared distance
-  /// from a box is below `limit`. Of a crowd of sites at one place on one face only the first (of
-  /// the caller's order) is there.
+  /// from a box is below `limit`. Of a crowd of sites at one place on one face only the first (in
+  /// the caller's order) is found.
   template <typename Visit>
   void for_each_near(const Box& query, double limit, const Visit& visit) const {
     boxes_.for_each_near(query, limit, [&](std::size_t k) { visit(site_in_boxes(k)); });
@@ -94,7 +94,7 @@ class SiteIndex {
   [[nodiscard]] std::int32_t leader(std::int32_t site) const {
     return leaders_.empty() ? site : leaders_[static_cast<std::size_t>(site)];
   }
-  /// Only with a graph; they name the caller's sites.
+  /// Only with a graph; the links name the caller's sites.
   [[nodiscard]] std::span<const SiteGraph::Link> links(std::int32_t site) const {
     return graph_->of(static_cast<std::size_t>(sites_->original(site)));
   }
@@ -106,9 +106,9 @@ class SiteIndex {
   /// The site nearest to a point. `from` only affects the time and should be near.
   [[nodiscard]] std::int32_t nearest(const Vec3& point, std::int32_t from) const;
 
-  /// Only without a graph: of the sites for which `competes(site)` the one nearest to a point, the
-  /// first of the caller's where several are. Only sites whose squared distance is below `limit`
-  /// count; -1 if there are none.
+  /// Only without a graph: the nearest site to a point among those for which `competes(site)`
+  /// holds; of several at the same distance the first in the caller's order. Only sites whose
+  /// squared distance is below `limit` count; -1 if there are none.
   template <typename Competes>
   [[nodiscard]] std::int32_t nearest_of(const Vec3& point, double limit,
                                         const Competes& competes) const {
@@ -124,8 +124,8 @@ class SiteIndex {
     return best;
   }
 
-  /// Only without a graph: the squared distance within which there are so many sites around a
-  /// point, or all if there are no more.
+  /// Only without a graph: the squared distance within which a point has that many sites around it,
+  /// or all if there are fewer.
   /// \param nearest memory for their squared distances
   [[nodiscard]] double squared_distance_of_nearest(std::size_t count, const Vec3& point,
                                                    std::vector<double>& nearest) const;

@@ -11,7 +11,7 @@ namespace dapple {
 [[nodiscard]] RestrictedVoronoi unit_voronoi(const Surface& surface, const Sites& sites,
                                              Context* context, Cells cells);
 
-/// Back to the density's own unit.
+/// Convert to the density's own unit.
 void remove_unit(RestrictedVoronoi& diagram, double density_unit);
 
 }  // namespace dapple
