@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 
 COUNTS = {10: (1000, 1000), 11: (500, 1500), 12: (400, 800, 1600)}
 CENTRAL = 0.6  # side of the part that is drawn, as in the paper
-TORUS = "Counts of our own: the paper takes Wei's, which its text does not give."
-SPECTRAL = "A lower peak than one class has (Fig. 5): the classes pull against each other."
-SURFACE = "Another body than the paper's, whose counts are not given either."
+TORUS = "Our own counts: the paper uses Wei's, which its text does not give."
+SPECTRAL = "A lower peak than with one class (Fig. 5), because the classes compete."
+SURFACE = "A different body than the paper's, whose counts are not given either."
 OPTIONS = {name: {**options, "two_stages": name != "our default"} for name, options in WAYS.items()}
 """The paper's preset is Algorithm 3: each class alone, then all."""
 

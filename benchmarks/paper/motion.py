@@ -95,21 +95,21 @@ def rows_17(count: int, played: list[Played]) -> list[Row]:
             f"evaluations on the first frame, {count:,} samples",
             "38 iterations",
             [str(one.steps[0].evaluations) for one in played],
-            "Of a body of our own; an iteration takes one evaluation or, where the line search "
-            "backtracks, more; ours starts from a Poisson-disk set.",
+            "Measured on our own body. An iteration takes one evaluation, or more if the line "
+            "search backtracks. Our default starts from a Poisson-disk set.",
         ),
         row(
-            "evaluations on each later frame: mean, least to most",
+            "evaluations on each later frame: mean, minimum to maximum",
             "5-10 iterations",
             [f"{np.mean(n):.1f}, {min(n)}-{max(n)}" for n in (one.later for one in played)],
-            "The preset minimizes every frame down to 1e-5, ours restores the first frame's "
-            "evenness only; how far the paper's body moves in a frame is not given.",
+            "The preset minimizes every frame to 1e-5; our default only restores the first "
+            "frame's evenness. The paper does not say how far its body moves in a frame.",
         ),
         row(
             "normalized energy, first to last frame",
             "not given",
             [f"{one.energies[0]:.4f} to {one.energies[-1]:.4f}" for one in played],
-            "A lattice has 0.1604: minimizing on every frame goes toward it, ours is held near "
-            "the first frame's.",
+            "A hexagonal lattice has 0.1604. Minimizing every frame approaches it; our default "
+            "stays near the energy of the first frame.",
         ),
     ]

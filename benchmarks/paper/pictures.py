@@ -77,20 +77,21 @@ def rows_14(picture: Array, dots: list[stippling.Dots]) -> list[Row]:
             f"time of {len(start):,} dots, best of three",
             "22.0 s",
             [f"{one.report.seconds:.1f} s" for one in ours],
-            "Another machine and another picture; stippling has no line search, so for the preset "
-            "stand 30 steps of the trust region without repulsion; the goal was 4 s.",
+            "A different machine and picture. Stippling has no line search, so 30 steps of the "
+            "trust region without repulsion replace the preset. The goal was 4 s.",
         ),
         row(
             "evaluations of the energy",
             f"{ITERATIONS} iterations",
             [str(one.report.evaluations) for one in ours],
-            "Ours stops when little is gained: more steps make more pattern.",
+            "Our default stops when little is gained, because more steps make the pattern more "
+            "regular.",
         ),
         row(
             f"PSNR, SSIM (its start: {before})",
             PICTURE_ONLY,
             [written(quality(picture, one.positions)) for one in ours],
-            "Our measure, see docs/method.md; the paper shows its picture and measures nothing.",
+            "Our measure, see docs/method.md; the paper shows its picture without measurements.",
         ),
     ]
 
@@ -114,15 +115,15 @@ def figure_15(setting: Setting) -> Plate:
             "not given",
             NOT_RUN,
             f"{dots.report.seconds:.0f} s",
-            "Another picture, and inks of our own: the paper's are in an appendix that is not at "
-            "hand; the goal was 3 minutes.",
+            "A different picture, and our own inks: the paper's are in an appendix that is not "
+            "available. The goal was 3 minutes.",
         ),
         Row(
             "evaluations of the energy",
             "not given",
             NOT_RUN,
             str(dots.report.evaluations),
-            "Those of each ink alone and of all together.",
+            "Evaluations of each ink alone and of all inks together.",
         ),
         Row(
             "PSNR, SSIM",

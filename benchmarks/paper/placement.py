@@ -21,7 +21,7 @@ def figure_16(setting: Setting) -> Plate:
     tiles = _rendered("mosaic", setting.size(420, 60), setting)
     decals = _rendered("decals", setting.size(150, 30), setting)
     _above_each_other([setting.out / f"{name}.png" for name in ("mosaic", "decals")], setting)
-    remark = "Bodies, counts and colors of our own: the paper's text gives none."
+    remark = "Our own bodies, counts and colors: the paper's text gives none."
     rows = [
         Row("(a) tiles, polygons, % of the box left by the grout", *_cells(tiles), remark),
         Row("(b) decals of two classes, worst overlap of their discs", *_cells(decals), remark),

@@ -40,8 +40,11 @@ QUARTERS = np.linspace(0, 1, 5)
 EXACT_SHARES: Array = np.asarray(100 * np.diff(QUARTERS**3), np.float64)  # of the integral of 3 x^2
 REMARKS_1 = {
     "CVT": "Uniform and regular, as in the paper: high psi6, unequal capacities.",
-    "CapVT": "By lambda = 1e6, since the library never leaves the CVT term out: irregular, with "
-    "close pairs, as in the paper; by default the start and the repulsion keep sites apart.",
+    "CapVT": (
+        "Made with lambda = 1e6, because the library always includes the CVT term. Irregular, "
+        "with close pairs, as in the paper; by default the start and the repulsion keep sites "
+        "apart."
+    ),
     "CapCVT": "Uniform and irregular, as in the paper; by default the repulsion keeps the nearest "
     "pair apart.",
 }
@@ -51,13 +54,13 @@ ROWS_5 = [
     (
         "{count:,} sites: time on one thread, best of three",
         "about 1/10 of Li et al., less than 1/100 of Balzer et al. (quoted)",
-        "The paper's text has these ratios and no times, and the other methods were not run here; "
-        "the goal was 1.5 s.",
+        "The paper's text gives these ratios but no times, and the other methods were not run "
+        "here; the goal was 1.5 s.",
     ),
     (
         "evaluations of the energy",
         PICTURE_ONLY,
-        "Ours starts from a Poisson-disk set and takes preconditioned steps.",
+        "Our default starts from a Poisson-disk set and takes preconditioned steps.",
     ),
     (
         "alpha min, variation, psi6",
@@ -67,7 +70,7 @@ ROWS_5 = [
     (
         "power at half of sqrt(n), and at its peak",
         PICTURE_ONLY,
-        "White noise has 1 and 1: both ways give blue noise.",
+        "White noise has 1 and 1; both results are blue noise.",
     ),
 ]
 
@@ -152,7 +155,8 @@ def figure_3(setting: Setting) -> Plate:
             off.append(float(np.abs(means - EXACT_SHARES).max()))
         exact = " ".join(f"{share:.1f}" for share in EXACT_SHARES)
         remark = (
-            f"Off by {off[0]:.1f} and {off[1]:.1f} points at most, means over {setting.runs} seeds."
+            f"Differs by at most {off[0]:.1f} and {off[1]:.1f} percentage points; "
+            f"means over {setting.runs} seeds."
         )
         rows.append(row(f"{name}: % in the quarters (exact: {exact})", PICTURE_ONLY, found, remark))
     figure.savefig(setting.picture(3))

@@ -16,27 +16,28 @@ import dapple3d as dapple
 from benchmarks.compare.tables import table
 from benchmarks.paper.setting import Plate
 
-HEAD = ["fig.", "quantity", "paper", "the paper's preset", "our default", "what differs, and why"]
+HEAD = ["fig.", "quantity", "paper", "the paper's preset", "our default", "difference and reason"]
 DRAWINGS = {2, 9}
 INTRODUCTION = """\
-The figures of Chen, Yuan, Choi, Liu and Wang, *Variational Blue Noise Sampling* (IEEE TVCG 2012),
-made again. *The paper's preset* is `dapple.PAPER`: white noise, plain L-BFGS, Euclidean cells, no
-repulsion, tolerance 1e-5. *Our default* is what `sample` and its kin do without options.
-*Picture only*: the text of the paper gives no number, and what its picture shows is not measured.
-lambda is 30 where nothing else is said.
+This page reproduces the figures of Chen, Yuan, Choi, Liu and Wang, *Variational Blue Noise
+Sampling* (IEEE TVCG 2012). *The paper's preset* is `dapple.PAPER`: white noise, plain L-BFGS,
+Euclidean cells, no repulsion, tolerance 1e-5. *Our default* is `sample` and the related functions
+without options. *Picture only* means that the text of the paper gives no number and that its
+picture was not measured. lambda is 30 unless stated otherwise.
 
 alpha is the distance to the nearest neighbor, 1 for perfect hexagons (alpha min: the normalized
 Poisson-disk radius); the variation is the standard deviation of the capacities over their mean;
 psi6 is 1 for a hexagonal lattice and 0.37 for white noise. The times of the paper are from a
-3.16 GHz Xeon of its day, on one thread; those of other methods are quoted from it, not run. Times
-on different machines compare in magnitude only."""
+3.16 GHz Xeon of its day, on one thread; those of other methods are quoted from it and were not
+measured. Times on different machines can only be compared in magnitude."""
 
 
 def machine() -> str:
-    """How many cores, of what, and how much was waiting for them."""
+    """The number and type of the cores, and their load."""
     cores, load = len(os.sched_getaffinity(0)), os.getloadavg()[1]
     return (
-        f"{cores} {platform.machine()} cores, load average {load:.1f}, up to {cores} of it its own"
+        f"{cores} {platform.machine()} cores, load average {load:.1f}, "
+        f"including up to {cores} from this run"
     )
 
 

@@ -118,11 +118,15 @@ def trend(weight: float, before: float | None, curves: list[Curve]) -> str:
         return "Without the capacity term: a CVT."
     if curves[0].alpha(weight) > curves[0].alpha(before):
         return (
-            f"We disagree: it rises from lambda {before:g}; the paper says that it falls gradually."
+            f"We disagree: alpha min rises from lambda {before:g}; "
+            "the paper says that it falls gradually."
         )
     if curves[3].alpha(weight) < curves[0].alpha(weight):
-        return f"Falls from lambda {before:g} as in the paper; our default stops earlier."
-    return f"Falls from lambda {before:g} as in the paper; by default the repulsion holds it up."
+        return f"Lower than at lambda {before:g}, as in the paper; our default stops earlier."
+    return (
+        f"Lower than at lambda {before:g}, as in the paper; "
+        "by default the repulsion keeps it large."
+    )
 
 
 def verdict(weight: float, curves: list[Curve]) -> str:
@@ -138,7 +142,7 @@ def verdict(weight: float, curves: list[Curve]) -> str:
         return f"{PAPERS_ALPHA} is reached at the paper's own tolerance."
     return (
         f"We disagree: {PAPERS_ALPHA} is not reached at the paper's own tolerance of 1e-5, only at "
-        f"{power(reached[0])}; perhaps the paper ran longer than it says."
+        f"{power(reached[0])}; perhaps the paper used more iterations than it states."
     )
 
 

@@ -88,7 +88,7 @@ def figure_6(setting: Setting) -> Plate:
         show(axes[0][column], scene.cells(sites, mixed(count)), f"preset, lambda {weight:g}")
         show(axes[1][column], scene.dots(sites, np.repeat(DOT, count, axis=0), radius), "samples")
         values = [qualities([samples.report]) for samples in found]
-        remark = "Less regular as lambda grows (psi6), as in the paper; another body."
+        remark = "Less regular as lambda grows (psi6), as in the paper; a different body."
         quantity = f"{one.name}, {count:,} samples, lambda {weight:g}: alpha min, variation, psi6"
         rows.append(row(quantity, PICTURE_ONLY, values, remark))
         if weight == TIMED:
@@ -112,8 +112,8 @@ def time_row(one: Body, count: int, found: list[dapple.Samples]) -> Row:
         f"time of {count:,} samples on one thread, lambda {TIMED:g}, best of three",
         "about 16 s",
         values,
-        f"Another machine and another body: {len(one.surface.faces):,} faces here, the paper's dog "
-        "is not at hand and its number of faces is not given.",
+        f"A different machine and body: {len(one.surface.faces):,} faces here; the paper's dog "
+        "is not available, and its number of faces is not given.",
     )
 
 
@@ -147,8 +147,8 @@ def figure_7(setting: Setting) -> Plate:
             f"{one.name}, {count:,} samples by curvature: alpha min, variation, psi6",
             PICTURE_ONLY,
             values,
-            "Another body than the paper's cat, and a density of our own: how the paper turns "
-            "curvature into density is not given.",
+            "A different body than the paper's cat, and our own density: the paper does not say "
+            "how it computes density from curvature.",
         )
     ]
     return Plate(7, f"{one.name} by its curvature", setting.picture(7), rows)
@@ -183,13 +183,13 @@ def figure_8(setting: Setting) -> Plate:
 
 
 def remark_8(name: str, heights: list[float], before: list[float]) -> str:
-    """before: the peaks of the lambda before."""
+    """before: the peaks at the previous lambda."""
     if name == "lambda 0":
-        return "A CVT: the high peak is its pattern."
+        return "A CVT: the high peak comes from its regular pattern."
     if name.startswith("lambda"):
         if all(now < last for now, last in zip(heights, before, strict=True)):
-            return "A lower peak than at the lambda before, as in the plane."
-        return "No lower peak than at the lambda before by one way or both, unlike in the plane."
+            return "A lower peak than at the previous lambda, as in the plane."
+        return "The peak of the preset, the default or both is not lower, unlike in the plane."
     return (
-        "Stands for dart throwing; retiling and Bowers et al. of the paper's picture are not run."
+        "Represents dart throwing; retiling and Bowers et al. from the paper's picture are not run."
     )
