@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 
-/// Sum of the fluxes of a cell's boundaries with one neighbor: there can be several, around a torus
-/// or a thin part.
+/// Sum of the fluxes of a cell's boundaries with one neighbor; a cell can have several of them
+/// around a torus or a thin part.
 Vec3 flux_between(const RestrictedVoronoi& diagram, std::size_t cell, std::size_t neighbor) {
   Vec3 sum = Vec3::Zero();
   for (const CellBoundary& side : diagram.boundary(cell))

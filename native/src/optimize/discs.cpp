@@ -12,12 +12,12 @@ namespace dapple {
 namespace {
 
 constexpr int kSweeps = 20;           // over the pairs that moves bring too close
-constexpr double kNearly = 1e-4;      // of R: the overlap that may remain ...
-constexpr double kMargin = 3e-4;      // ... and the distance kept beyond R
-constexpr double kCoincident = 1e-9;  // of R: distance between sites at one place
+constexpr double kNearly = 1e-4;      // of R: the overlap that may remain
+constexpr double kMargin = 3e-4;      // of R: the distance kept beyond R
+constexpr double kCoincident = 1e-9;  // of R: assumed distance between coincident sites
 constexpr double kSameSide = -0.5;    // cosine between normals: 120 degrees
 
-/// Discs of one radius, with their images around the torus.
+/// Discs of one radius, with their periodic images on a torus.
 class Crowd {
  public:
   Crowd(const Sites& sites, std::vector<std::int32_t> members, double period)
@@ -54,14 +54,14 @@ class Crowd {
   }
 
   std::vector<std::int32_t> members_;
-  int images_;  // to each side
+  int images_;  // periodic images in each direction
   double period_;
   std::vector<Vec3> points_;
   std::unique_ptr<Neighbors> tree_;
 };
 
-/// Coincident sites overlap too, and must move apart in some direction; on a face without area,
-/// which has no normal, in any.
+/// An offset that is not zero. Coincident sites overlap too and must move apart in some tangential
+/// direction, or in any direction on a face without area, which has no normal.
 Vec3 never_zero(const Vec3& offset, const Vec3& normal, double apart) {
   if (offset.squaredNorm() > 0.0) return offset;
   const Vec3 along = normal.squaredNorm() > 0.0 ? normal.unitOrthogonal() : Vec3(Vec3::UnitX());
@@ -103,8 +103,8 @@ void for_each_pair(const Discs& discs, double beyond, const Visit& visit) {
 struct Contact {
   std::size_t i, j;
   double gap;       ///< distance - R
-  Vec3 at_i, at_j;  ///< the direction from j to i, in the plane of each; zero where it is locked
-  double room;      ///< gap that each unit along at_i and -at_j gives
+  Vec3 at_i, at_j;  ///< the direction from j to i in the plane of each; zero if locked
+  double room;      ///< increase of the gap if both sites move by one unit along at_i and -at_j
   double nearly;    ///< the overlap that may remain
 
   /// The overlap after the moves.
@@ -154,8 +154,9 @@ Repulsion evaluate_disc_repulsion(const Discs& discs, double weight) {
   return repulsion;
 }
 
-// Each contact is a half-space of moves; they are projected onto one after another (Gauss-Seidel),
-// so that a disc pressed against others moves where it has room, also along them.
+// Each contact restricts the moves to a half-space. The moves are projected onto one half-space
+// after another (Gauss-Seidel), so that a disc pressed against others moves to where there is
+// space, also along them.
 void keep_discs_apart(const Discs& discs, const std::vector<bool>& locked, Vectors& moves) {
   const double reach = 2.0 * longest(moves);
   std::vector<Contact> contacts = contacts_of(discs, locked, reach);

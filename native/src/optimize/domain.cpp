@@ -57,7 +57,7 @@ void SurfaceDomain::update_cells(RestrictedVoronoi& diagram, const Sites& sites,
 
 Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                              const Context* context) const {
-  if (points.empty()) return {};  // create no projector without need
+  if (points.empty()) return {};  // avoids creating a projector
   const bool walks = steps_ == Steps::kConnected && !hints.empty();
   if (walks) check_hints(surface_, points, hints);
   const Surface ground = stepping_surface();
@@ -69,7 +69,8 @@ Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }
 
-/// If a walk from a face without density meets no face with density, the nearest of all is taken.
+/// If a walk from a face without density meets no face with density, the point moves to the nearest
+/// face with density on the whole surface.
 void SurfaceDomain::lead_from_empty_faces(const Surface& ground, std::span<const Vec3> points,
                                           Projection& found, const Context* context) const {
   if (ground.uniform()) return;
@@ -83,7 +84,7 @@ void SurfaceDomain::lead_from_empty_faces(const Surface& ground, std::span<const
   }
 }
 
-/// Where sites may start: no step would move them off a rim.
+/// The surface on which steps start. It has no rims, because no step would move a site off a rim.
 Surface SurfaceDomain::stepping_surface() const {
   const std::shared_ptr<const SidedSurface> sided = cell_surfaces_->known(surface_);
   return sided ? sided->without_rims : surface_;
@@ -94,8 +95,9 @@ const Projector& SurfaceDomain::projector(const Context* context) const {
     const std::scoped_lock lock(making_);
     if (projector_) return *projector_;
   }
-  // Without the lock, because a Poll may call this function again. Isolated, so that this thread
-  // starts no other of our tasks while Embree waits for its own.
+  // The projector is created without the lock, because a Poll may call this function again, and in
+  // isolation, so that this thread starts none of our other tasks while Embree waits for its own
+  // tasks.
   auto made = tbb::this_task_arena::isolate([&] {
     return std::make_unique<const Projector>(stepping_surface(), /*support_only=*/true, context);
   });

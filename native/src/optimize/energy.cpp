@@ -11,7 +11,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kWhole = 1e-6;  // rounding error of the total
+constexpr double kWhole = 1e-6;  // relative rounding error of the total
 
 /// dE/dx_i = 2 m_i (x_i - c_i) + 2 lambda sum_j (|V_i| - |V_j|) a_ij (paper, equations 4, 5 and
 /// Theorem 2).
@@ -29,7 +29,7 @@ void find_gradient(const RestrictedVoronoi& diagram, double capacity_weight,
   });
 }
 
-/// The energy over its cells.
+/// Sum up the energy over its cells.
 void assemble(Energy& energy, double capacity, double capacity_weight) {
   const std::vector<Moments>& cells = energy.diagram.cells;
   energy.cvt =

@@ -7,11 +7,12 @@
 namespace dapple {
 namespace {
 
-constexpr double kToRestore = 4.0;   // evaluations that a frame takes
-constexpr double kAlmost = 0.8;      // share of the expected ones; the rest becomes ever slower
-constexpr int kRememberedLeast = 3;  // decreases used for the forecast, at least, and ...
-constexpr int kRememberedPart = 2;   // ... this part of all
-constexpr double kLeast = 1e-9;      // decrease, relative: a smaller one is rounding
+constexpr double kToRestore = 4.0;  // evaluations that restoring a frame takes
+constexpr double kAlmost =
+    0.8;  // share of the expected number, after which the progress slows down
+constexpr int kRememberedLeast = 3;  // smallest number of decreases used for the forecast
+constexpr int kRememberedPart = 2;   // the forecast uses 1 / kRememberedPart of all decreases
+constexpr double kLeast = 1e-9;      // relative decrease below which only rounding remains
 
 }  // namespace
 

@@ -58,7 +58,7 @@ double unit_of(const Objective& objective, const Evaluation& state) {
 
 }  // namespace
 
-// Divided by the mean of a diagonal, all values are of order 1 in any units.
+// All values are divided by the mean of the diagonal, so that they are of order 1 in any units.
 void GaussNewton::update(const Objective& objective, const Evaluation& state, int steps,
                          const Context* context) {
   steps_ = steps;

@@ -16,9 +16,9 @@ constexpr double kFirstStep =
     0.25;  // of the longest step allowed, when nothing is known of the curvature
 constexpr double kHold = 0.25;      // share of its step that a site beside a jump keeps
 constexpr double kHoldMost = 0.05;  // largest share of sites to which a jump is attributed
-// The rise of a step above its slope falls to a quarter when the step is halved, at a crease to
-// half; if more than this remains, the energy jumps, as it does where uncovered faces change
-// owners.
+// If a step is halved, the rise of the energy above its slope falls to a quarter, or to half at a
+// crease. If a larger share than this remains, the energy jumps, for example because uncovered
+// faces change owners.
 constexpr double kJump = 0.6;
 
 double first_scale(const Objective& objective, const Evaluation& state, double max_step) {
@@ -55,7 +55,7 @@ bool hold_back(const Objective& objective, const Evaluation& from, const Evaluat
   const std::vector<double> before = energy_shares(objective, from);
   std::vector<double> rise = energy_shares(objective, next);
   for (std::size_t k = 0; k < rise.size(); ++k) rise[k] -= before[k];
-  double left = next.total - from.total - 0.5 * slope;  // half the slope is a full step's gain
+  double left = next.total - from.total - 0.5 * slope;  // a full step gains half the slope
   std::vector<bool> held(rise.size(), false);
   for (const std::size_t site : worst_sites(rise)) {
     if (!(left > 0.0) || rise[site] <= 0.0) break;

@@ -17,11 +17,11 @@
 namespace dapple {
 namespace {
 
-constexpr int kBacktracks = 6;     // shortenings of a step before it counts as failed
+constexpr int kBacktracks = 6;     // times that a step is shortened before it counts as failed
 constexpr int kFewBacktracks = 3;  // while restoring: the next frame continues
 constexpr int kReinsertions = 8;   // in one run
 constexpr int kUncut = 5;          // steps in a row that no jump has cut
-constexpr int kGrace = 12;         // evaluations more, once, where steps were held back
+constexpr int kGrace = 12;         // additional evaluations, granted once if steps were held back
 constexpr double kLocal = 1e-2;    // of the tolerance, if only a few places remain to be restored
 constexpr int kFailures = 5;       // steps without any decrease: only rounding remains
 constexpr int kFewFailures = 2;    // while restoring
@@ -176,7 +176,7 @@ class Minimizer {
 
   [[nodiscard]] bool settled() const { return reached() || rule_.ends(); }
 
-  /// Whether it converged; settled() is also true if no step was found.
+  /// Whether the optimization converged; settled() is also true if no step was found.
   [[nodiscard]] bool converged() {
     if (reached()) return true;
     if (rule_.decreases_are_small()) return rule_.missed() <= options_.tolerance && !stuck();
@@ -219,10 +219,10 @@ class Minimizer {
   StoppingRule rule_;
   Forecast forecast_;
   double decrease_ = 0.0;  // of the last step, relative
-  double owned_ = 1.0;     // share of the capacity at the start, see owned_share()
+  double owned_ = 1.0;     // owned share of the capacity at the start, see owned_share()
   int reinsertions_ = 0;
   int full_steps_ = 0;  // in a row
-  int last_;            // evaluation: fewer than are allowed once it goes on where it was stuck
+  int last_;  // last evaluation: earlier than the limit once a stuck optimization continues
   Minimum result_;
 };
 

@@ -15,7 +15,7 @@ namespace dapple {
 namespace {
 
 constexpr double kHexagon = 3.4641016151377544;  // area around a circle of radius 1: 2 sqrt 3
-constexpr double kMostRoom = 0.5;  // share of the capacity of other sites that large discs may take
+constexpr double kMostRoom = 0.5;  // share of other sites' capacity that large discs may take
 
 /// kappa (|S|_phi / n)^2
 double repulsion_weight(const Term& term, std::size_t count) {
@@ -36,7 +36,8 @@ void add(const Objective& objective, std::size_t term, const Part& part, Evaluat
   });
 }
 
-/// The part of lambda (sum (m_i - t_i)^2 + |S|_phi^2 / n) that target capacities add.
+/// Add the part of lambda (sum (m_i - t_i)^2 + |S|_phi^2 / n) that depends on the target capacities
+/// t_i.
 void add_wanted(const Objective& objective, std::size_t term, const Part& part, Evaluation& state) {
   const Term& of = objective.terms[term];
   if (of.wanted.empty()) return;
@@ -76,7 +77,7 @@ void add_up(const Objective& objective, Evaluation& state) {
   objective.restrict(state.gradient, state.normals);
 }
 
-/// Evaluate the repulsion at the present radii and add up again.
+/// Evaluate the repulsion at the current radii and add up the terms again.
 void repel(const Objective& objective, Evaluation& state) {
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     Part& part = state.parts[t];
@@ -291,8 +292,9 @@ void stick(Objective& objective, Evaluation& state, Vectors anchors, double gamm
   add_up(objective, state);
 }
 
-// No site is nearer to a disc than its radius plus the smallest radius, so its cell contains the
-// hexagon around half of that. If the smallest radius is 0, points may be close together.
+// Every other site is farther from a disc's center than the disc's radius plus the smallest radius,
+// so the cell contains the hexagon around a circle of half that radius. If the smallest radius is
+// 0, points may be close together.
 void give_room(Objective& objective, Evaluation& state) {
   if (objective.discs.empty()) return;
   const double least = *std::min_element(objective.discs.begin(), objective.discs.end());

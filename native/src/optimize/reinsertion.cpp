@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kEmpty = 1e-6;  // of the mean capacity: such cells may result from rounding
 
-/// The capacity of a cell of a nonempty term.
+/// The capacity of the smallest cell that does not count as empty, for a nonempty term.
 double least_capacity(const Objective& objective, std::size_t term, std::size_t sites) {
   return kEmpty * objective.terms[term].domain->capacity() / static_cast<double>(sites);
 }
@@ -72,7 +72,7 @@ class Reinserter {
     for (const CellBoundary& side : state_.diagram().boundary(host))
       if (!farthest || side.offset.squaredNorm() > farthest->offset.squaredNorm()) farthest = &side;
     if (farthest) return x + 0.5 * farthest->offset;
-    const Vec3 aside = tangent_basis(state_.normals[host]).col(0);  // also where there is no normal
+    const Vec3 aside = tangent_basis(state_.normals[host]).col(0);  // defined even without a normal
     return x + std::sqrt(cell(host).area / std::numbers::pi) * aside;
   }
 

@@ -8,9 +8,9 @@
 namespace dapple {
 namespace {
 
-// Of the repulsion radius: how close a step may bring two sites. With a smaller value the step
-// determines the smallest distance of the next state; at 1 the steps lose too much (0.95 to 0.98
-// measured alike, 0.98 best).
+// How close a step may bring two sites, relative to the repulsion radius. With a smaller value the
+// step determines the smallest distance of the next state; with 1 the steps become too short (0.95
+// to 0.98 measured about the same, 0.98 best).
 constexpr double kNear = 0.98;
 
 /// Call visit(i, j, offset from j to i, out) for every pair of sites whose cells touch, in
@@ -23,7 +23,8 @@ std::vector<Found> of_touching_pairs(const RestrictedVoronoi& diagram, const Vis
     for (std::size_t i = begin; i < end; ++i)
       for (const CellBoundary& side : diagram.boundary(i)) {
         const auto j = static_cast<std::size_t>(side.neighbor);
-        // Each pair once: rounding aside, both cells list their common boundary.
+        // Each pair is visited once, because both cells list their common boundary, apart from
+        // rounding.
         if (j >= i) visit(i, j, -side.offset, found[begin / kVectorGrain]);
       }
   });

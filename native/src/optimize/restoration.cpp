@@ -7,8 +7,8 @@
 namespace dapple {
 namespace {
 
-constexpr double kBegin = 0.7;    // of the sufficient variation
-constexpr double kAsFirst = 1.1;  // of the first frame's
+constexpr double kBegin = 0.7;    // of the sufficient variation: a frame below it is not restored
+constexpr double kAsFirst = 1.1;  // of the first frame's variation: likewise
 constexpr double kIdle = 1e-3;    // weight of E_cvt
 
 /// If sites repel each other, their distances count too.

@@ -7,11 +7,11 @@
 namespace dapple {
 namespace {
 
-constexpr int kPulls = 8;      // toward the start, of a site projected beyond the limit
-constexpr double kPull = 0.8;  // of the distance that remains after each; the last leaves none
+constexpr int kPulls = 8;      // attempts to pull a site beyond the limit back toward the start
+constexpr double kPull = 0.8;  // share of the distance left after each attempt; 0 after the last
 
-/// The projection may move even a site without a step: to a face with density, or by rounding.
-/// Locked sites keep their bytes.
+/// The projection can move even a site without a step, because of rounding or to a face with
+/// density. Locked sites keep their exact positions.
 Sites project_unlocked(const Objective& objective, const Sites& before, const Vectors& moved,
                        std::span<const std::int32_t> hints, const Context* context) {
   Sites sites = objective.project(moved, hints, {}, context);

@@ -8,14 +8,15 @@
 namespace dapple {
 namespace {
 
-// From a cell's root mean square distance to its site to the spacing: that of a regular hexagon is
-// sqrt(5) / 6 spacings.
+// The spacing divided by a cell's root mean square distance from its site, which is sqrt(5) / 6
+// spacings for a regular hexagon.
 constexpr double kSpread = 2.6832815729997477;
 constexpr double kLong = 2.0;   // spacings: a cell that is longer may be thin
-constexpr double kThin = 0.18;  // area against the square of the length; 0.87 for a hexagon
+constexpr double kThin = 0.18;  // ratio of the area to the squared length; 0.87 for a hexagon
 
 /// The spacing, or the length of the cell on parts thinner than the spacing, where sites are far
-/// more than a spacing apart. Cells that are large in all directions have too few sites around.
+/// more than a spacing apart. Cells that are large in all directions have too few sites around
+/// them.
 double reach(const Objective& objective, const Evaluation& state, std::size_t k) {
   const Moments& cell = state.diagram().cells[k];
   const double spacing = local_spacing(objective, state, 0, k);

@@ -8,25 +8,26 @@
 namespace dapple {
 namespace {
 
-// Factors of delta ...
-constexpr double kTooLong = 2.5;  // where the step is longer than allowed ...
-constexpr double kFar = 6.0;      // ... by more than
-constexpr double kFarOff = 4.0;   // this factor
+// Factors by which delta changes.
+constexpr double kTooLong = 2.5;  // if the step is longer than allowed
+constexpr double kFar = 6.0;      // if the step exceeds the limit by more than kFarOff
+constexpr double kFarOff = 4.0;   // ratio of the step to the limit above which kFar applies
 constexpr double kFull = 0.4;     // after a full step
 constexpr double kShortened = 2.0;
 constexpr double kFailed = 4.0;
 constexpr double kMost = 1e12;
 constexpr int kSolves = 6;  // before the stored pairs are dropped because the step stays too long
-constexpr int kSteps = 15;  // of conjugate gradients: steps are shortened and corrected anyway ...
-constexpr int kExactSteps = 60;      // ... but the long waves that a deformation makes take more
-constexpr int kPasses = 3;           // over the pairs that a step brings too near
-constexpr double kMostHeld = 0.25;   // share of the sites that may be held back for it
-constexpr double kRounding = 1e-12;  // of a move that was cut
-constexpr double kRare = 0.25;       // share of all sites: classes with fewer are rare ...
-constexpr double kFewTooFar = 0.02;  // ... and of as few sites the moves alone are cut
+constexpr int kSteps = 15;  // of conjugate gradients: steps are shortened and corrected anyway
+constexpr int kExactSteps = 60;     // the long waves that a deformation causes take more iterations
+constexpr int kPasses = 3;          // over the pairs that a step brings too close
+constexpr double kMostHeld = 0.25;  // share of the sites that may be held back for that
+constexpr double kRounding = 1e-12;  // relative rounding error of a shortened move
+constexpr double kRare = 0.25;       // share of all sites: classes with fewer are rare
+constexpr double kFewTooFar = 0.02;  // share of all sites: if so few go too far, only they are cut
 
-/// Skipped if many moves would be shortened: in white noise, or if the repulsions of classes and of
-/// the union contradict each other, that would cost more than it gains.
+/// Shortens moves that bring sites too close. It is skipped if many moves would be shortened, as in
+/// white noise, or if there are several classes, whose repulsions may contradict that of the union;
+/// there it would cost more than it gains.
 Vectors keep_apart(const Objective& objective, const Evaluation& state, Vectors direction) {
   if (objective.terms.size() > 1) return direction;
   Vectors full = direction;
@@ -40,7 +41,7 @@ Vectors keep_apart(const Objective& objective, const Evaluation& state, Vectors 
   return direction;
 }
 
-/// Per site, whether it is of a class that is rare among all.
+/// Per site, whether it belongs to a rare class.
 std::vector<bool> of_rare_classes(const Objective& objective, std::size_t sites) {
   std::vector<bool> rare(sites, false);
   for (const Term& term : objective.terms)
@@ -49,8 +50,8 @@ std::vector<bool> of_rare_classes(const Objective& objective, std::size_t sites)
   return rare;
 }
 
-/// The cells of a rare class are large beside the spacing of all together, by which a step is
-/// limited: the steps of a few such sites must not shorten the moves of all.
+/// The cells of a rare class are large compared with the spacing of the union, which limits a step.
+/// The steps of a few such sites must not shorten the moves of all sites.
 void cut_few(const Objective& objective, const Evaluation& state, double max_step,
              Vectors& direction) {
   if (state.parts.size() < 2) return;
@@ -68,8 +69,8 @@ void cut_few(const Objective& objective, const Evaluation& state, double max_ste
 
 }  // namespace
 
-// A larger delta shortens the model's own step, but not what stored pairs of little curvature add
-// to it.
+// A larger delta shortens the model's own step, but not the contribution of stored pairs with
+// little curvature.
 Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
                           LbfgsHistory& history, const Context* context) {
   model_.update(objective, state, exact_ ? kExactSteps : kSteps, context);

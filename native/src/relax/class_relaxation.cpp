@@ -123,7 +123,7 @@ void ClassRelaxation::add(std::int32_t name, const Surface& surface,
                       .radius = radius});
 }
 
-/// Each class gets its samples.
+/// Distribute the samples to their classes.
 void ClassRelaxation::deal_out(const Samples& samples, const Sites& sites) {
   std::vector<bool> locked(samples.size(), false);
   for (const std::int32_t k : options_.locked) locked[at(k)] = true;
@@ -172,7 +172,8 @@ std::vector<OrderedFace> ClassRelaxation::faces_to_relax(const RelaxedClass& one
   return ordered_faces(one.surface, faces);
 }
 
-/// The finished classes, and others of about the same number; more common ones make room later.
+/// The given classes, and others with at most about as many samples; more frequent classes adapt
+/// later.
 Company ClassRelaxation::company_of(std::span<const std::size_t> selves) const {
   Company company{{}, {}, options_.union_weight};
   std::size_t least = std::numeric_limits<std::size_t>::max();
@@ -191,7 +192,7 @@ Company ClassRelaxation::company_of(std::span<const std::size_t> selves) const {
   return company;
 }
 
-/// A class without samples gets its first ones.
+/// Create the first samples of a class without samples.
 void ClassRelaxation::begin(RelaxedClass& one, std::size_t count, Context* context) const {
   const Samples found = resample(one.surface, {}, count,
                                  {.seed = options_.seed, .optimizer = options_.optimizer}, context);
@@ -235,8 +236,8 @@ void ClassRelaxation::relax(std::size_t c, Context* context) {
   note_moves(one, before);
 }
 
-/// One after another, each class has found its number and its approximate places; the last one had
-/// to take what the others had left.
+/// Relax classes together. Before, each class has found its number of samples and their approximate
+/// positions one after another, and the last one had to use the space that the others had left.
 void ClassRelaxation::relax_together(std::span<const std::size_t> group, Context* context) {
   std::vector<OrderedFace> faces;
   for (const std::size_t c : group) {
@@ -278,7 +279,7 @@ void ClassRelaxation::store(std::span<const std::size_t> group, const std::vecto
   last.report.converged = found.converged;
 }
 
-/// Other classes make room where samples have appeared, vanished or moved.
+/// Note where samples have appeared, vanished or moved, so that other classes adapt.
 void ClassRelaxation::note_moves(const RelaxedClass& one, const Sites& before) {
   std::size_t count = 0;
   for (const RelaxedClass& each : classes_) count += each.count.value_or(each.sites.size());

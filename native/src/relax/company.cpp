@@ -22,7 +22,7 @@ std::vector<const Companion*> all_of(const Company& company) {
   return result;
 }
 
-/// The part with the sum of the classes' densities, and the capacity of a site on it.
+/// The part with the sum of the classes' densities, and the capacity per site on it.
 struct Together {
   Surface surface;
   double share;

@@ -69,7 +69,7 @@ void check(const Surface& surface, const Samples& samples, std::span<const std::
   options.classes.empty() ? check_one_class(samples) : check_classes(surface, samples, options);
 }
 
-/// The samples, moved with their faces where these have changed.
+/// The samples; those on changed faces are moved with their faces.
 Sites carried(const Surface& surface, const Samples& samples,
               std::span<const std::int32_t> changed) {
   std::vector<bool> is_changed(surface.face_count(), false);
@@ -127,7 +127,7 @@ struct Row {
   [[nodiscard]] bool has_moved() const { return of->free[k]; }
 };
 
-/// The remaining samples in their order, then the new ones, class by class.
+/// The remaining samples in their previous order, then the new ones, class by class.
 std::vector<Row> rows_of(std::span<const RelaxedClass> classes, std::size_t given) {
   std::vector<Row> old(given, Row{}), rows;
   for (const RelaxedClass& one : classes)
@@ -141,7 +141,7 @@ std::vector<Row> rows_of(std::span<const RelaxedClass> classes, std::size_t give
   return rows;
 }
 
-/// The pair of discs that overlaps most.
+/// Note the pair of discs that overlaps most.
 void note_overlap(const RelaxOptions& options, Samples& result) {
   std::vector<double> radii;
   if (!options.classes.empty())

@@ -24,24 +24,25 @@ namespace dapple {
 namespace {
 
 constexpr int kFreeRings = 2;     // around the cells that contain changed faces
-constexpr double kUneven = 0.02;  // of the capacity: a border cell so far off is freed too ...
-constexpr double kPushed = 0.01;  // ... unless it was hardly closer before
+constexpr double kUneven = 0.02;  // of the capacity: a border cell that is off by more is freed,
+constexpr double kPushed =
+    0.01;  // of the capacity: but only if it was off by this much less before
 constexpr int kGrowths = 16;
-constexpr std::size_t kHole = 256;  // faces
+constexpr std::size_t kHole = 256;  // most faces of a hole that is filled
 constexpr int kHardlyAny = 16;      // sites: too few to determine the capacity
-constexpr double kNear = 0.5;       // spacings: a site so close to a face with density stays
-// Of the free sites: so many may be surplus or missing for the capacity around, or more
-// of them give way ...
+constexpr double kNear = 0.5;       // spacings: a site this close to a face with density is kept
+// Share of the free sites that may be surplus or missing for the capacity around them; if more are,
+// further sites are freed.
 constexpr double kYield = 0.01;
-constexpr double kRounding = 0.5;  // ... but for a part of a sample ...
-constexpr std::size_t kHalf = 2;   // ... and all of them where that is more than one of so many
+constexpr double kRounding = 0.5;  // samples: smaller differences do not count
+constexpr std::size_t kHalf = 2;   // if more than 1 / kHalf of all sites would be freed, all are
 // Cells within these shares of the capacity even out without insertions and removals.
 constexpr double kSmallest = 0.2, kLargest = 3.0;
 constexpr double kSettled =
-    0.1;  // of the capacity: a class among others that is so even is not changed
-constexpr double kFewMore = 1.25;  // of the sites: so many are inserted beside others
-// Of the progress: the region is known, it has its number of sites, it is even for the first time;
-// then half of the rest each.
+    0.1;  // of the capacity: one of several classes is not changed if it is this even
+constexpr double kFewMore = 1.25;  // of the sites: up to this count, all sites are rebalanced
+// Shares of the progress: the region is known, it has its number of sites, it is even for the first
+// time; each further round takes half of the rest.
 constexpr double kFound = 0.1, kBalanced = 0.25, kFirst = 0.7, kGrown = 0.5;
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
@@ -56,7 +57,7 @@ std::vector<std::size_t> which_are(const std::vector<bool>& values) {
 /// The energy of the relaxed class, without the classes around it.
 const Energy& own_energy(const Minimum& found) { return found.state.parts.back().energy; }
 
-/// \param members per cell: no site is inserted beside a fixed one
+/// \param members one per cell; no site is inserted beside a fixed one
 /// \throw ArgumentError if that capacity needs too many samples
 template <typename Member>
 void check_wanted(std::span<const Member> members, const RestrictedVoronoi& diagram,
@@ -105,8 +106,8 @@ void Relaxation::run(std::span<const OrderedFace> changed, Context* context) {
   }
 }
 
-/// Whether no site was inserted or removed and cells have about their target size: if other classes
-/// follow this one, a small change is not worth moving them all.
+/// Whether no site was inserted or removed and cells have about their target size. If other classes
+/// adapt to this one, a small change is not worth moving all of their samples.
 bool Relaxation::is_settled(const Region& region) const {
   if (!company_ || sites_.size() > given_ ||
       std::find(alive_.begin(), alive_.end(), false) != alive_.end() ||
@@ -135,7 +136,7 @@ std::vector<OrderedFace> Relaxation::faces_around(const Context* context) {
   return without_holes(surface_, std::move(faces), kHole);
 }
 
-/// Also faces that no cell of the given sites reaches, but others may.
+/// All faces, including those that no cell of the given sites reaches, because other cells may.
 std::vector<OrderedFace> Relaxation::all_faces() const {
   std::vector<OrderedFace> result;
   for (std::size_t f = 0; f < surface_.face_count(); ++f)
@@ -143,7 +144,8 @@ std::vector<OrderedFace> Relaxation::all_faces() const {
   return result;
 }
 
-/// A ring more is part of the region; all sites, if that is not more.
+/// Add a ring to the region, or all sites if there is no further ring or more than half of the
+/// sites would belong to the region.
 void Relaxation::widen(const Context* context) {
   Indices grown = rings_.grown(region_, context);
   if (grown.size() == region_.size() || kHalf * grown.size() > given_) {
@@ -159,8 +161,8 @@ std::size_t Relaxation::free_count() const {
       region_.begin(), region_.end(), [this](std::int32_t s) { return !locked_[at(s)]; }));
 }
 
-/// By how many the number of sites in the region differs from the capacity around it; infinite
-/// where none fit.
+/// The difference between the number of sites in the region and the number that fits the capacity
+/// around it; infinite if none fit.
 double Relaxation::spare_samples(const Region& region, const RestrictedVoronoi& diagram) const {
   const SharedCells shared = region.shared(diagram);
   const double fit = asked_for(shared, capacity_);
@@ -194,12 +196,12 @@ bool Relaxation::is_void(const std::vector<OrderedFace>& faces) const {
   });
 }
 
-/// Remove everything where the target is 0.
+/// Remove all free sites if the target count is 0.
 void Relaxation::empty() {
   for (std::size_t s = 0; s < sites_.size(); ++s) alive_[s] = alive_[s] && !free_[s];
 }
 
-/// The sites on some faces, as a surface of its own.
+/// The given faces as a separate surface, with their sites.
 Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Context* context) {
   faces_ = faces;
   Region region{SurfacePart(surface_, faces, context)};
@@ -277,7 +279,7 @@ bool Relaxation::is_spread(const Region& region, const RestrictedVoronoi& diagra
   return true;
 }
 
-/// All sites may move: each neighborhood gets its number, as in resampling.
+/// All sites may move, and each neighborhood gets its number of sites, as in resampling.
 void Relaxation::rebalance_all(Region& region, Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
@@ -302,8 +304,8 @@ RestrictedVoronoi Relaxation::first_cells(const Region& region, Context* context
   return diagram;
 }
 
-/// Thinning in several rounds can miss the count by rounding: then the smallest cells are removed,
-/// or sites are inserted.
+/// Thinning in several rounds can miss the count because of rounding. Then the smallest cells are
+/// removed, or sites are inserted.
 void Relaxation::keep_to_count(std::size_t count, const Region& region, Thinned& found) {
   const auto alive = static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), true));
   const std::size_t others = alive - region.members.size();
@@ -323,7 +325,7 @@ void Relaxation::keep_to_count(std::size_t count, const Region& region, Thinned&
 }
 
 /// The mean capacity of complete cells outside the change; locked samples count only if there are
-/// no others. 0 if there are none.
+/// no others. 0 if there are no complete cells.
 double Relaxation::capacity_around(const Region& region, const RestrictedVoronoi& diagram) const {
   double sum[2] = {}, count[2] = {};  // unlocked, locked
   for (std::size_t k = 0; k < region.members.size(); ++k) {
@@ -338,8 +340,8 @@ double Relaxation::capacity_around(const Region& region, const RestrictedVoronoi
   return count[kind] > 0.0 ? sum[kind] / count[kind] : 0.0;
 }
 
-/// The mean capacity on unchanged faces; on all faces if these have too few sites. In the unit of
-/// the cells of the whole surface.
+/// The mean capacity on unchanged faces; on all faces if these have too few sites. The unit is that
+/// of cells of the whole surface.
 double Relaxation::capacity_elsewhere() const {
   double capacity = 0.0;
   std::vector<bool> is_changed(surface_.face_count(), false);
@@ -355,8 +357,8 @@ double Relaxation::capacity_elsewhere() const {
                                               : all / static_cast<double>(given_);
 }
 
-/// The target capacity of the open sites, chosen so that the count is reached; 0 if
-/// none are.
+/// The target capacity of the open sites, chosen so that the count is reached; 0 if there are no
+/// open sites.
 double Relaxation::capacity_for_count(const Region& region, const SharedCells& shared) {
   double sum = 0.0;
   std::int64_t open = 0, free = 0;
@@ -379,7 +381,7 @@ double Relaxation::capacity_for_count(const Region& region, const SharedCells& s
   return capacity_for(shared, static_cast<std::size_t>(open + more));
 }
 
-/// The wanted count minus the present one.
+/// The target count minus the current count.
 std::int64_t Relaxation::lacking() const {
   return static_cast<std::int64_t>(options_.count.value_or(0)) -
          std::count(alive_.begin(), alive_.end(), true);
@@ -396,7 +398,7 @@ void Relaxation::take_out(const std::vector<std::size_t>& stay, Region& region) 
   region = std::move(left);
 }
 
-/// \param capacity the target capacity of each
+/// \param capacity the target capacity of each new site
 void Relaxation::put_in(std::size_t count, double capacity, Region& region,
                         const Context* context) {
   const Sites fresh = widest_gaps(region.part.surface(), {region.sites, region.open(), capacity},
@@ -422,7 +424,7 @@ void Relaxation::add(const Sites& fresh, Region& region) {
 }
 
 /// Minimize over the free sites of a region.
-/// \return the sites at its border whose cells are uneven then
+/// \return the sites at its border whose cells are uneven afterward
 Relaxation::Indices Relaxation::even_out(const Region& region, Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
@@ -482,7 +484,7 @@ Relaxation::Indices Relaxation::grow_at(const Indices& uneven, Context* context)
   return even_out(cut_out(faces_around(context), finding.context()), evening.context());
 }
 
-/// As analyze() would.
+/// Measure the result as analyze() does.
 void Relaxation::measure_all(const Region& region, const Minimum& found) {
   Indices mine(region.members.size()), faces;
   std::iota(mine.begin(), mine.end(), 0);
@@ -490,7 +492,7 @@ void Relaxation::measure_all(const Region& region, const Minimum& found) {
   for (const std::int32_t face : sites.faces) faces.push_back(region.part.outside(face));
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
-  const Energy& energy = own_energy(found);  // in the unit of the part's share
+  const Energy& energy = own_energy(found);  // in units of the part's share
   static_cast<Quality&>(report_) =
       measure(domain, energy, sites, surface_.normals(faces, sites.barycentric));
   const double owned = domain.capacity() * owned_share(energy.diagram, domain.capacity());
@@ -498,7 +500,8 @@ void Relaxation::measure_all(const Region& region, const Minimum& found) {
                    options_.optimizer.capacity_weight;
 }
 
-/// The result of the last round; its evaluations and iterations are added to the previous ones.
+/// Note the result of the last round; its evaluations and iterations are added to the previous
+/// ones.
 void Relaxation::note(const Region& region, const Minimum& found) {
   const RestrictedVoronoi& all = own_energy(found).diagram;
   RestrictedVoronoi measured;
@@ -517,7 +520,7 @@ void Relaxation::note(const Region& region, const Minimum& found) {
   measured.boundaries = all.boundaries;
   if (is_everything()) {
     measure_all(region, found);
-  } else if (!normals.empty()) {  // otherwise all remaining faces are farther away
+  } else if (!normals.empty()) {  // no cell is measured if the other faces are far away
     report_.evenness = measure_evenness(measured);
     report_.bond_order = bond_order(measured, normals);
     report_.energy =

@@ -11,7 +11,7 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 32;  // cells, or faces, a chunk
+constexpr std::size_t kGrain = 32;  // cells or faces per chunk
 constexpr std::size_t kFew = 512;   // faces or sites between two checks
 
 template <typename T>
@@ -37,7 +37,8 @@ Rings::Rings(const Surface& surface, const Sites& sites)
     ordered_[static_cast<std::size_t>(sites_.originals[k])] = static_cast<std::int32_t>(k);
 }
 
-// From cell to cell: neighbors of a cell with a part may have a part.
+// The search proceeds from cell to cell: neighbors of a cell with a part of the faces may have a
+// part too.
 std::vector<std::int32_t> Rings::owners(std::span<const OrderedFace> faces,
                                         const Context* context) {
   const auto is_one = [&](OrderedFace face) {
@@ -63,7 +64,7 @@ std::vector<std::int32_t> Rings::owners(std::span<const OrderedFace> faces,
   return result;
 }
 
-/// The sites on the faces; for a face without any, the one nearest to its centroid.
+/// The sites on the faces; for a face without sites, the site nearest to its centroid.
 std::vector<std::int32_t> Rings::on_or_near(std::span<const OrderedFace> faces) const {
   std::vector<std::int32_t> result;
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -116,7 +117,7 @@ void Rings::find(std::span<const std::int32_t> sites, const Context* context) {
     check_at(k, kFew), cells_.emplace(missing[k], std::move(found[k]));
 }
 
-/// A site that coincides with another has that one as its neighbor.
+/// A site that coincides with another one has that site as its neighbor.
 Rings::Cell Rings::find_cell(CellFlood& flood, std::int32_t original) const {
   const std::int32_t site = ordered(original);
   const OrderedFace start = sites_.faces[static_cast<std::size_t>(site)];

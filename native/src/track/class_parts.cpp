@@ -7,14 +7,14 @@
 namespace dapple {
 namespace {
 
-/// A sample of a class, and its place among all.
+/// A sample of a class, and its index among the samples of all classes.
 struct Row {
   std::size_t rank;
   std::int32_t of_class;
   std::size_t index;
 };
 
-/// The samples in their order: at their previous index, or after all of those.
+/// The samples in order: known ones at their previous index, new ones after them.
 std::vector<Row> in_order(const Samples& before, std::span<const Samples> parts) {
   std::map<std::int32_t, std::size_t> place;
   for (std::size_t k = 0; k < before.size(); ++k) place.emplace(before.ids[k], k);

@@ -24,13 +24,14 @@ namespace {
 
 constexpr double kThin = 0.05;  // of the largest density: lower values have no defined spacing
 constexpr double kMovingVariation = 0.02,
-                 kMovingAlpha = 0.5;            // sufficient evenness if the density moves
-constexpr int kRounds = 3;                      // of the search, where discs overlap
-constexpr double kHarder = 10.0;                // factor of the weight of discs that still overlap
-constexpr double kRoomy = 1.7, kCrowded = 0.4;  // of the mean capacity: one more fits, or one less
-constexpr double kPiled = 0.6;  // of a spacing: sites closer to each other are crowded
+                 kMovingAlpha = 0.5;  // sufficient evenness if the density moves
+constexpr int kRounds = 3;            // of the search while discs overlap
+constexpr double kHarder = 10.0;  // factor by which the weight of discs that still overlap grows
+constexpr double kRoomy = 1.7,
+                 kCrowded = 0.4;  // of the mean capacity: space for one more, or one too many
+constexpr double kPiled = 0.6;    // of a spacing: sites closer to each other are crowded
 
-/// The samples of each class; all of them one class if none is given.
+/// The classes with their numbers of samples; a single class if none is given.
 std::vector<SampleClass> counted(std::vector<SampleClass> classes,
                                  std::span<const std::int32_t> class_of) {
   if (classes.empty()) return {{.count = class_of.size()}};
@@ -103,12 +104,12 @@ struct Frame {
 /// The start of a frame's optimization, and the positions that hold its sites.
 struct Beginning {
   Sites start;
-  std::optional<Sites> home;                 // none: where the search begins
-  std::vector<std::int32_t> elsewhere = {};  // sites that begin far from where they were
+  std::optional<Sites> home;                 // none: the start of the search
+  std::vector<std::int32_t> elsewhere = {};  // sites that start far from their previous position
 };
 
-/// The spacing at each of so many sites by their density; at most the spacing where it is a
-/// share of the largest one.
+/// The spacing at each site by its density, which counts as at least kThin times the largest
+/// density.
 std::vector<double> spacings_at(const Surface& surface, const Sites& sites) {
   const std::vector<double> all = surface.density();
   const double most = all.empty() ? 1.0 : *std::max_element(all.begin(), all.end());
@@ -122,8 +123,8 @@ std::vector<double> spacings_at(const Surface& surface, const Sites& sites) {
   return result;
 }
 
-/// The number of surplus sites: those moved far to the border of the density, and one of two that
-/// are too close to each other.
+/// The number of surplus sites: sites that moved far to the border of the density, and one of each
+/// two that are too close to each other.
 std::size_t count_piled(const Surface& own, const Sites& before, const Sites& now) {
   const std::vector<double> spacings = spacings_at(own, now);
   const Neighbors tree(now.positions);
@@ -152,9 +153,9 @@ bool is_unfilled(const Domain& domain, const Sites& sites, Context* context) {
   });
 }
 
-/// Sites pushed by a moving density crowd at its border: the surplus moves to free areas. On new
+/// Sites pushed by a moving density crowd at its border; the surplus moves to free areas. On new
 /// faces free areas may be anywhere.
-/// Returns which.
+/// \return the sites that moved
 std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
                                  std::span<const std::int32_t> mine, const Sites& before,
                                  Moved what, Sites& sites, Context* context) {
@@ -172,8 +173,8 @@ std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
   return moved;
 }
 
-/// Sites where their class has no density start, and are held, at the nearest point with density;
-/// otherwise max_slide would keep them there.
+/// Sites where their class has no density start and are held at the nearest point with density;
+/// otherwise max_slide would keep them off the density.
 /// \param moved the difference from the last frame
 Beginning on_density(const Surface& surface, const Frame& frame,
                      std::span<const std::int32_t> class_of, const Sites& start, const Sites* home,
@@ -205,7 +206,7 @@ Beginning on_density(const Surface& surface, const Frame& frame,
   return result;
 }
 
-/// A triangle without area may still carry its samples far away.
+/// Samples on a triangle without area may still move far away, so their positions are checked.
 void check_extent(const Surface& surface, const Sites& sites) {
   for (std::size_t k = 0; k < sites.size(); ++k) {
     const double far = (sites.positions[k] - sites.positions[0]).norm();
@@ -228,7 +229,7 @@ Vectors without(Vectors moves, std::span<const std::int32_t> which) {
   return moves;
 }
 
-/// The sites after their moves; those that do not move keep their bytes.
+/// The sites after their moves; those that do not move keep their exact positions.
 Sites move(Sites sites, const Vectors& moves, const Objective& objective, const Context* context) {
   std::vector<std::int32_t> moving;
   for (std::size_t k = 0; k < moves.size(); ++k)
@@ -276,7 +277,7 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples, Tracker
   restoration_.overlap = std::max(restoration_.overlap, worst_overlap(state.discs));
   memory_ = PatternMemory(state.diagram());
   first.energies = {target_energy_};
-  first.converged = !has_empty_cell(frame.objective, state);  // no frame needs to be more even
+  first.converged = !has_empty_cell(frame.objective, state);  // it defines the evenness to reach
   first_report_ = to_report(frame.objective, first, classes_.size(), samples.normals);
 }
 
@@ -298,9 +299,9 @@ bool FrameSolver::any_stranded(const Surface& surface, const Sites& sites) const
   return false;
 }
 
-/// Where the density moves, no frame is as even as on the first one: the next one moves it again.
-/// Where islands of the density grow and shrink, and their samples stay as many, no step makes them
-/// as even as they were.
+/// If the density moves, no frame is restored to the evenness of the first one, because the next
+/// frame moves the density again. If islands of the density grow and shrink while their numbers of
+/// samples stay constant, no step can restore their first evenness.
 Restoration FrameSolver::restoration(Moved moved, const Domain& all, const Sites& sites) const {
   Restoration aim = restoration_;
   if (classes_.size() == 1) {
@@ -318,7 +319,7 @@ Restoration FrameSolver::restoration(Moved moved, const Domain& all, const Sites
 
 OptimizerOptions FrameSolver::aims() const {
   OptimizerOptions options = options_.optimizer;
-  if (options.method == Method::kLineSearch)  // it has no restoration
+  if (options.method == Method::kLineSearch)  // it does not support restoration
     options.target_energy = std::max(options.target_energy, target_energy_ + kAsEven);
   return options;
 }
@@ -404,7 +405,7 @@ FrameSolver FrameSolver::transplanted(std::span<const std::int32_t> origin, cons
   FrameSolver result = with(now);
   result.sides_ = std::nullopt;
   const Transferred found = transfer.find(carried(before, first_), context);
-  std::vector<std::int32_t> place(first_.size(), -1);  // in what was found
+  std::vector<std::int32_t> place(first_.size(), -1);  // index among the transferred sites
   for (std::size_t k = 0; k < found.which.size(); ++k)
     place[static_cast<std::size_t>(found.which[k])] = static_cast<std::int32_t>(k);
   std::vector<std::int32_t> remembered(origin.size(), -1);

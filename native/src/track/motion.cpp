@@ -12,7 +12,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kSmall = 0.05;  // mirrored bodies have larger values
+constexpr double kSmall = 0.05;  // extent of a small motion; mirrored bodies have larger values
 
 bool same_bytes(const Vec3& a, const Vec3& b) {
   return std::ranges::equal(std::as_bytes(std::span(a.data(), 3)),
@@ -25,8 +25,8 @@ struct Similarity {
   Vec3 shift;
 };
 
-/// The power of two, which changes no digit, that brings points near 1: so squares of coordinates
-/// stay in the range of numbers.
+/// A power of two that scales the coordinates to about 1, so that their squares neither overflow
+/// nor underflow. It changes no digits.
 double unit_of(std::span<const Vec3> points, std::span<const std::int32_t> which) {
   constexpr int kFar = 1000;
   double most = 0.0;
@@ -35,15 +35,15 @@ double unit_of(std::span<const Vec3> points, std::span<const std::int32_t> which
   return most > 0.0 ? std::ldexp(1.0, -std::clamp(std::ilogb(most), -kFar, kFar)) : 1.0;
 }
 
-/// In that unit.
+/// The mean of the points, scaled by unit.
 Vec3 mean(std::span<const Vec3> points, std::span<const std::int32_t> which, double unit) {
   Vec3 sum = Vec3::Zero();
   for (const std::int32_t v : which) sum += unit * points[static_cast<std::size_t>(v)];
   return sum / static_cast<double>(which.size());
 }
 
-/// The diagonal, in that unit, of a solid box of the same spread: however the body is turned,
-/// unlike that of its bounding box.
+/// The diagonal of a solid box with the same variance, scaled by unit. Unlike the diagonal of the
+/// bounding box, it does not depend on the rotation of the body.
 double size_of(std::span<const Vec3> points, std::span<const std::int32_t> which, double unit) {
   const Vec3 middle = mean(points, which, unit);
   double spread = 0.0;
@@ -52,8 +52,8 @@ double size_of(std::span<const Vec3> points, std::span<const std::int32_t> which
   return std::sqrt(12.0 * spread / static_cast<double>(which.size()));
 }
 
-/// By least squares (Umeyama 1991). The sums are in the order of their terms: Eigen's products add
-/// as the processor's caches suggest.
+/// The best similarity by least squares (Umeyama 1991). The sums are computed in a fixed order,
+/// because Eigen's products choose an order by the processor's caches.
 Similarity fitted(std::span<const Vec3> from, std::span<const Vec3> to,
                   std::span<const std::int32_t> which) {
   const double unit_from = unit_of(from, which), unit_to = unit_of(to, which);
@@ -75,7 +75,7 @@ Similarity fitted(std::span<const Vec3> from, std::span<const Vec3> to,
   return {map * (unit_from / unit_to), (middle_to - map * middle_from) / unit_to};
 }
 
-/// Per vertex whether it is of a face.
+/// Per vertex, whether it belongs to one of the faces.
 std::vector<bool> of_faces(std::span<const Face> faces, std::size_t count) {
   std::vector<bool> result(count, false);
   for (const Face& face : faces)

@@ -13,19 +13,20 @@ namespace dapple {
 namespace {
 
 constexpr double kRebuilt =
-    0.5;  // misfit, in distances to neighbors, beyond which the pattern is forgotten
+    0.5;  // misfit, in distances to neighbors, above which the pattern is forgotten
 constexpr double kPace = 3.0;      // longest move, in changes of the distances to the neighbors
-constexpr std::size_t kLeast = 4;  // neighbors: three determine an affine map, without a misfit
+constexpr std::size_t kLeast = 4;  // neighbors: with three, an affine map fits exactly
 constexpr double kInLine = 1e-12;  // relative determinant of collinear offsets
 constexpr std::size_t kGrain = 256;
 
-/// The best affine map of planar offsets to others, as far as recall needs it.
+/// The parts of the best affine map between planar offsets that recall() needs.
 struct Fit {
   Eigen::Vector2d shift;  // of the origin
   double misfit;          // root mean square
 };
 
-/// \param from, to offsets in columns. The sums are in their order: Eigen's products choose one.
+/// \param from, to offsets in columns. The sums are computed in this order, because Eigen's
+/// products choose their own.
 Fit fit_affine(const Eigen::Matrix2Xd& from, const Eigen::Matrix2Xd& to) {
   const Eigen::Vector2d middle_from = from.rowwise().mean();
   const Eigen::Vector2d middle_to = to.rowwise().mean();
@@ -45,7 +46,7 @@ Fit fit_affine(const Eigen::Matrix2Xd& from, const Eigen::Matrix2Xd& to) {
   return {shift, std::sqrt(misfit / static_cast<double>(from.cols()))};
 }
 
-/// Of a ring from its middle, in the tangent plane; in columns.
+/// The offsets of a ring from its middle in the tangent plane, in columns.
 Eigen::Matrix2Xd offsets(std::size_t middle, std::span<const std::int32_t> ring,
                          const Vectors& positions, const Eigen::Matrix<double, 3, 2>& basis) {
   Eigen::Matrix2Xd result(2, static_cast<Eigen::Index>(ring.size()));
@@ -99,7 +100,7 @@ Vec3 PatternMemory::recall_one(std::size_t i, const Places& first, const Vectors
   const auto now_basis = tangent_basis(now.normals[i]);
   const Fit fit = fit_affine(offsets(i, ring, first.positions, tangent_basis(first.normals[i])),
                              offsets(i, ring, now.positions, now_basis));
-  double then = 0.0, today = 0.0, change = 0.0;  // sums of distances, and of what they change by
+  double then = 0.0, today = 0.0, change = 0.0;  // sums of distances and of their changes
   for (const std::int32_t neighbor : ring) {
     const auto j = static_cast<std::size_t>(neighbor);
     const double length = (now.positions[j] - now.positions[i]).norm();

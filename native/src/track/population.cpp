@@ -20,13 +20,13 @@
 namespace dapple {
 namespace {
 
-// In samples: the number changes only if the wanted one differs by that much from an integer.
+// The number of samples changes only if it differs from the ideal number by at least this much.
 // Otherwise the same sample of a breathing body would appear and vanish repeatedly.
 constexpr double kReluctance = 0.75;
 constexpr double kResized =
-    0.8;  // of the progress of a frame: samples of all classes came and went
-constexpr double kAlike = 0.0025;  // of the area: meshes of one shape may differ by so much
-// Progress of a frame with other faces: places are found, births and deaths are done.
+    0.8;  // share of the progress of a frame: births and deaths of all classes are done
+constexpr double kAlike = 0.0025;  // relative difference of area between meshes of the same shape
+// Progress of a frame with new faces: positions are found, births and deaths are done.
 constexpr double kFound = 0.1, kBegun = 0.4;
 
 void check_wanted(double wanted, std::size_t now) {
@@ -89,7 +89,7 @@ std::size_t Population::wanted(const Tracker& tracker, std::size_t kind) const {
                      count_of(tracker.samples(), kind));
 }
 
-/// Whether nothing moved, appears or vanishes.
+/// Whether no vertex has moved and no sample appears or vanishes.
 bool Population::rests_at(std::span<const Vec3> vertices) const {
   const auto is_there = [](double fade) { return fade == 1.0; };
   if (!vanishing_.empty() || !std::all_of(fades_.begin(), fades_.end(), is_there) ||
@@ -113,7 +113,7 @@ Samples Population::resized(const Tracker& tracker, Context* context) const {
   return joined(tracker.surface(), tracker.samples(), parts);
 }
 
-/// Those of one class.
+/// The samples of one class, with births and deaths.
 Samples Population::resized(const Tracker& tracker, std::size_t kind, std::int64_t next_id,
                             Context* context) const {
   const Surface surface = surface_of(tracker, kind);
@@ -122,8 +122,8 @@ Samples Population::resized(const Tracker& tracker, std::size_t kind, std::int64
                     : of_class(surface, tracker.samples(), static_cast<std::int32_t>(kind));
   const std::size_t count = wanted(tracker, kind);
   if (count == now.size()) return now;
-  // The energy is enough: the frames that follow bring the samples back to the first one's
-  // evenness.
+  // The target energy suffices here, because the following frames restore the evenness of the first
+  // one.
   now.report.evenness.capacity_variation = std::numeric_limits<double>::infinity();
   const ResampleOptions options{.seed = static_cast<std::uint64_t>(next_id),
                                 .optimizer = options_.tracker.optimizer,
@@ -178,7 +178,7 @@ const Samples& Population::advance(std::span<const Vec3> vertices, Context* cont
   return samples_;
 }
 
-/// Whether a surface may be the present one, deformed.
+/// Whether a surface may be a deformation of the current one.
 bool Population::is_of_this_body(const Surface& other) const {
   const Surface& one = surface();
   if (one.vertex_count() != other.vertex_count() || one.face_count() != other.face_count() ||
@@ -231,8 +231,8 @@ Population::Crossing Population::cross(const Surface& next, Context* context) co
   return result;
 }
 
-/// Those of the present samples, and new ones.
-/// \param origin per sample its index, or -1
+/// The ids of the current samples, and new ids for new samples.
+/// \param origin per sample its previous index, or -1
 std::vector<std::int32_t> Population::ids_of(std::span<const std::int32_t> origin) const {
   check_ids_left(next_id_ - 1,
                  static_cast<std::size_t>(std::count(origin.begin(), origin.end(), -1)));
@@ -244,7 +244,7 @@ std::vector<std::int32_t> Population::ids_of(std::span<const std::int32_t> origi
   return ids;
 }
 
-/// Those that have a place on another surface.
+/// The fading samples that have a position on the other surface.
 std::vector<Population::Fading> Population::transferred(const std::vector<Fading>& fading,
                                                         const Transfer& transfer,
                                                         const Context* context) const {
@@ -264,9 +264,9 @@ std::vector<Population::Fading> Population::transferred(const std::vector<Fading
   return result;
 }
 
-/// The next frame's samples, and those that vanish.
+/// Store the next frame's samples and those that vanish.
 void Population::take(Tracker tracker, std::vector<Fading> vanishing) {
-  Population next = *this;  // so that nothing is half done whatever fails
+  Population next = *this;  // so that an exception leaves the population unchanged
   next.settle(std::move(tracker), std::move(vanishing));
   *this = std::move(next);
 }

@@ -45,7 +45,7 @@ void check_ids(const Samples& samples, std::int64_t next_id) {
 
 /// A digest of the vertex indices of the faces.
 std::int64_t faces_digest(const Surface& surface) {
-  std::uint64_t digest = 0xcbf29ce484222325u;  // FNV-1a, by whole numbers
+  std::uint64_t digest = 0xcbf29ce484222325u;  // FNV-1a over integers instead of bytes
   const auto add = [&](std::uint64_t value) { digest = (digest ^ value) * 0x100000001b3u; };
   add(surface.vertex_count());
   const std::vector<Face> faces = surface.faces();
@@ -53,7 +53,7 @@ std::int64_t faces_digest(const Surface& surface) {
     check_at(f);
     for (const std::int32_t corner : faces[f]) add(static_cast<std::uint64_t>(corner));
   }
-  return static_cast<std::int64_t>(digest >> 1) | 1;  // no 0
+  return static_cast<std::int64_t>(digest >> 1) | 1;  // never 0
 }
 
 void check_faces(const Surface& surface, std::int64_t digest) {
@@ -95,7 +95,7 @@ PopulationState Population::state() const {
   return state;
 }
 
-/// A frame of this body, on which classes can have surfaces of their own.
+/// A frame of this body with the densities of the classes.
 Surface Population::with_kinds(const Surface& frame) const {
   if (kinds_.size() == 1 && !kinds_[0].surface) return frame;
   if (!is_of_this_body(frame)) check_one_kind();

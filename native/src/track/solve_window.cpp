@@ -34,7 +34,7 @@ class Window {
       : start_(start), begin_(begin), frames_(frames), closing_(closing), context_(context) {}
 
   std::vector<Samples> solve(std::span<const Samples> known) {
-    const std::size_t closing = closing_ ? 2 : 0;  // the pass backward, and the blend into it
+    const std::size_t closing = closing_ ? 2 : 0;  // the backward pass and the blend into it
     const auto sweeps = static_cast<std::size_t>(start_.options.sweeps);
     steps_ = frames_.size() * (1 + closing + sweeps);  // a known frame is copied, not tracked
     samples_ = onward(known);
@@ -56,7 +56,7 @@ class Window {
   }
   [[nodiscard]] std::size_t count() const { return frames_.size() + 1; }
 
-  /// A tracker's samples on every frame, starting from the previous one; known frames are kept.
+  /// The samples of a tracker that advances from frame to frame; known frames are kept.
   std::vector<Samples> onward(std::span<const Samples> known) {
     Tracker tracker = begin_;
     if (!known.empty()) tracker.resume(frames_[known.size() - 1], known.back(), false);
@@ -71,7 +71,8 @@ class Window {
     return result;
   }
 
-  /// A tracker's samples on all but the first frames or, around a loop, backward.
+  /// The samples of a tracker on all frames after the first `without` ones, or backward around a
+  /// loop.
   std::vector<Samples> pass(Tracker tracker, bool forward, std::size_t without = 0) {
     std::vector<Samples> result(count());
     result[0] = tracker.samples();
@@ -157,7 +158,7 @@ class Window {
     measure_slide(samples_[t].report, samples_[t].positions, from.positions);
   }
 
-  /// A frame of one pass has the same share as any other.
+  /// The share of the progress of the next frame; each frame of each pass has the same share.
   Stretch next_step() {
     if (context_) context_->check();
     return {context_, done_++, steps_};

@@ -19,14 +19,14 @@
 namespace dapple {
 namespace {
 
-constexpr int kMostParts = 16;   // of a frame
+constexpr int kMostParts = 16;   // parts into which the motion of a frame is split
 constexpr double kStill = 1e-9;  // motion due to rounding, relative to the size
 constexpr double kBound =
     0.2;  // share of the progress of a new tracker when the samples are bound ...
 constexpr double kEvaluated = 0.9;  // ... and evaluated
-constexpr double kHeld = 0.9;       // of the longest slide: a sample that slid so far was held back
+constexpr double kHeld = 0.9;       // share of max_slide: a sample that slid farther was held back
 
-/// The samples, which must belong to the surface.
+/// The samples bound to the surface, to which they must belong.
 Samples bound(const Surface& surface, const Samples& samples) {
   check_samples(surface, samples);
   return bind_samples(surface, samples.faces, samples.barycentric, samples.ids, samples.classes);
@@ -37,7 +37,7 @@ int part_count(const Motion& motion, double longest) {
   return static_cast<int>(std::min<double>(std::ceil(motion.extent / longest), kMostParts));
 }
 
-/// Optimized sites on all parts of a split frame except the last, which is the frame itself.
+/// Optimize the sites on all parts of a split frame except the last one, which is the frame itself.
 FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, const Sites& first,
                              const Motion& motion, int parts, Moved moved, Context* context) {
   FrameSolver::Passed passed{first, 0};
@@ -120,7 +120,7 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     measure_slide(samples.report, samples.positions, home.positions);
     call.write(samples.report);
     std::optional<Report> measured = samples.report;
-    settled_ = (still && settled_) ||  // from here on nothing fails
+    settled_ = (still && settled_) ||  // nothing fails from here on
                (settled && samples.report.slide_max < kHeld * options.optimizer.max_slide);
     settled_ = settled_ && moved_ == Moved::kNothing;
     moved_ = Moved::kNothing;
@@ -171,7 +171,7 @@ void Tracker::resume_on(const Surface& surface, std::span<const Vec3> vertices,
   moved_ = anywhere ? Moved::kFaces : Moved::kDensity;
 }
 
-/// Continue with other samples on the present frame; those of known ids keep their place in the
+/// Continue with other samples on the current frame; samples with known ids keep their place in the
 /// first frame's pattern.
 void Tracker::exchange(const Samples& samples) {
   std::map<std::int32_t, std::int32_t> known;

@@ -13,12 +13,12 @@
 namespace dapple {
 namespace {
 
-constexpr double kAmple = 2.5;  // of the way that half of a component's samples need: others need
-                                // more, but up to half may have lost their surface
-constexpr std::size_t kAround = 24;  // sites that move alike
-constexpr double kDoubt = 0.1;       // relative to their number: the weight of not moving
+constexpr double kAmple = 2.5;  // of the distance that half of a component's samples move: others
+                                // need more, but up to half may have lost their surface
+constexpr std::size_t kAround = 24;  // neighbors that are assumed to move alike
+constexpr double kDoubt = 0.1;       // weight of not moving, relative to the number of neighbors
 constexpr double kFarthest =
-    0.25;  // of a component's size: farther surfaces belong to something else
+    0.25;  // of a component's size: surfaces farther away belong to another component
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
@@ -39,10 +39,10 @@ void add(Transferred& found, std::size_t k, const Vec3& position, std::int32_t f
 
 }  // namespace
 
-/// For each site the nearest point of the next surface, and whether that is on its side.
+/// For each site, the nearest point of the next surface and whether that point is on the same side.
 struct Transfer::Nearest {
   Projection places;
-  std::vector<Vec3> normals;  // of the sites' faces: interpolated ones lean over at edges
+  std::vector<Vec3> normals;  // of the sites' faces, because interpolated normals tilt at edges
   std::vector<bool> same_side;
 };
 
@@ -64,9 +64,9 @@ Transferred Transfer::find(const Sites& sites, const Context* context) const {
   return within_reach(there, nearest(there, context));
 }
 
-/// The likely positions: the nearest points give the motion along their normals, and neighbors with
-/// other normals the rest. If all normals are alike, nothing determines the motion along the
-/// surface, and they stay.
+/// The likely positions. The nearest points determine the motion along their normals, and neighbors
+/// with other normals determine the rest. If all normals are alike, nothing determines the motion
+/// along the surface, and the sites do not move along it.
 Sites Transfer::moved(const Sites& sites, const Nearest& near) const {
   const Neighbors tree(sites.positions);
   std::vector<Neighbor> around;
@@ -122,7 +122,7 @@ void Transfer::measure_motion(const Sites& samples, const Nearest& near) {
 }
 
 Transferred Transfer::within_reach(const Sites& sites, const Nearest& near) const {
-  std::vector<std::size_t> others;  // whose nearest place is on the other side of a sheet
+  std::vector<std::size_t> others;  // sites whose nearest point is on the other side of a sheet
   std::vector<Vec3> points;
   std::vector<double> radii;
   for (std::size_t k = 0; k < sites.size(); ++k) {
@@ -148,7 +148,7 @@ bool Transfer::is_found(const Sites& sites, const Nearest& near, std::size_t k) 
   return near.same_side[k] && near.places.distances[k] <= reach_of(sites, k);
 }
 
-/// The nearest point on faces of its side, if any.
+/// Add the nearest point on faces of the same side, if there is one.
 void Transfer::add_nearest(Transferred& found, std::size_t k, const Vec3& point, const Vec3& normal,
                            std::span<const std::int32_t> faces) const {
   double least = std::numeric_limits<double>::infinity();
@@ -167,7 +167,7 @@ void Transfer::add_nearest(Transferred& found, std::size_t k, const Vec3& point,
   if (best.size() > 0) add(found, k, best.positions[0], best.faces[0], best.barycentric[0]);
 }
 
-/// \return 0 without density, where no sample may be
+/// \return 0 where there is no density, because no sample may be there
 double Transfer::reach_of(const Sites& sites, std::size_t k) const {
   const OrderedFace face = before_.ordered().ordered_face(sites.faces[k]);
   const double density = sites.barycentric[k].dot(before_.ordered().densities(face));

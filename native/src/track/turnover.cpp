@@ -10,13 +10,13 @@ namespace dapple {
 namespace {
 
 constexpr double kShare =
-    0.005;  // of the samples, that are exchanged although the area is constant
+    0.005;  // share of the samples that are exchanged although the area is constant
 
 double apart(std::size_t a, std::size_t b) {
   return static_cast<double>(std::max(a, b) - std::min(a, b));
 }
 
-/// How many samples may be exchanged, in addition to those that have lost their surface.
+/// The number of samples that may be exchanged in addition to those that have lost their surface.
 std::size_t spare_pairs(std::size_t before, std::size_t there, std::size_t count) {
   const double needed = apart(before, there) + apart(there, count);
   const double most = apart(before, count) + kShare * static_cast<double>(before);

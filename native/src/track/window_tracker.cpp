@@ -42,7 +42,7 @@ std::vector<Samples> WindowTracker::advance(std::span<const std::vector<Vec3>> f
   std::vector<Samples> found = with_threads(start_->options.tracker.threads, [&] {
     return solve_window(*start_, present_, frames, ahead_, closing, context);
   });
-  found.erase(found.begin());  // the present frame's
+  found.erase(found.begin());  // the current frame's samples
   if (done > 0) present_.resume(frames[done - 1], found[done - 1], false);
   ahead_.assign(found.begin() + static_cast<std::ptrdiff_t>(done), found.end());
   if (context) context->advance(1.0);

@@ -14,14 +14,16 @@
 namespace dapple {
 namespace {
 
-// Along the surface, because straight distances through a fold or a thin rim are short.
+// The distance is measured along the surface, because a straight line through a fold or a thin rim
+// is shorter.
 double nearest_touching(const RestrictedVoronoi& diagram, std::size_t i) {
   double path = std::numeric_limits<double>::infinity();
   for (const CellBoundary& side : diagram.boundary(i)) path = std::min(path, side.path_length);
   return path;
 }
 
-/// 0 if no cell has any area, as on a part that has collapsed in a frame.
+/// The standard deviation of the capacities divided by their mean; 0 if no cell has any area, as on
+/// a part that has collapsed in a frame.
 double variation(const RestrictedVoronoi& diagram, double mean) {
   if (!(mean > 0.0)) return 0.0;
   double sum = 0.0;
@@ -32,11 +34,12 @@ double variation(const RestrictedVoronoi& diagram, double mean) {
 /// Neighbors whose common boundary is shorter than this, relative to their distance, touch only at
 /// a corner.
 constexpr double kCorner = 1e-9;
-constexpr std::size_t kFewestNeighbors = 3;  // around a closed cell of straight sides
-constexpr std::size_t kGrain = 512;          // sites a chunk
+constexpr std::size_t kFewestNeighbors = 3;  // a closed polygon has at least three sides
+constexpr std::size_t kGrain = 512;          // sites per chunk
 constexpr double kNone = -1.0;               // not measurable
 
-/// Measurements of each site, in order, so that their sums do not depend on the threads.
+/// Measurements of each site, in the order of the sites, so that their sums do not depend on the
+/// number of threads.
 template <typename Measured>
 std::vector<double> of_each(std::size_t count, const Measured& measured) {
   std::vector<double> result(count);
@@ -52,8 +55,8 @@ Vec2 times(const Vec2& a, const Vec2& b) {
 }
 Vec2 squared(const Vec2& a) { return times(a, a); }
 
-/// |mean of exp(6 i theta)| over the neighbors of a site; kNone if it has too few, or lies on a
-/// face without area, which has no plane.
+/// |mean of exp(6 i theta)| over the neighbors of a site; kNone if the site has too few neighbors
+/// or lies on a face without area, which has no plane.
 double order_at(const RestrictedVoronoi& diagram, std::size_t site, const Vec3& normal) {
   if (normal.isZero(0.0)) return kNone;
   const Vec3 u = normal.unitOrthogonal();
@@ -70,7 +73,7 @@ double order_at(const RestrictedVoronoi& diagram, std::size_t site, const Vec3& 
   return sum.norm() / static_cast<double>(count);
 }
 
-/// The neighbor whose cell follows along a ray, and how far along the ray.
+/// The neighbor whose cell a ray enters next, and the distance along the ray.
 struct Exit {
   std::int32_t site = -1;
   double at = 1.0;
@@ -88,7 +91,7 @@ Exit leave_cell(const RestrictedVoronoi& diagram, std::size_t site, const Vec3& 
   return exit;
 }
 
-/// The sites of each component of the surface: those whose cells can meet its borders.
+/// The sites of each component of the surface; only their cells can meet its borders.
 class ComponentSites {
  public:
   ComponentSites(const Surface& surface, const Sites& sites)
@@ -104,7 +107,7 @@ class ComponentSites {
       if (!part.sites.empty()) part.tree = std::make_unique<Neighbors>(part.positions);
   }
 
-  /// The nearest site of a component, or of all where it has none.
+  /// The nearest site of a component, or of the whole surface if the component has none.
   [[nodiscard]] std::int32_t nearest(std::int32_t component, const Vec3& point) {
     const Part& part = parts_[static_cast<std::size_t>(component)];
     (part.tree ? *part.tree : all_).nearest(point, 1, found_);
@@ -123,11 +126,12 @@ class ComponentSites {
   std::vector<Neighbor> found_;
 };
 
-constexpr double kInLine = 1.25;  // own spacings: nearest neighbors on a plane are nearer
+constexpr double kInLine = 1.25;  // spacings of the cell: nearest neighbors on a plane are closer
 constexpr double kOpposite =
-    -0.5;  // cosine between neighbors: those of a corner are less far apart
+    -0.5;  // cosine of the angle between two neighbors: at a corner it is larger
 
-/// Whether a site's neighbors are only before and behind it, farther than its cell is wide.
+/// Whether a site has only one neighbor, or two on opposite sides, and they are farther away than
+/// its cell is wide.
 bool is_in_line(const RestrictedVoronoi& diagram, std::size_t i) {
   const CellBoundary *before = nullptr, *behind = nullptr;
   for (const CellBoundary& side : diagram.boundary(i)) {
@@ -146,16 +150,16 @@ bool is_in_line(const RestrictedVoronoi& diagram, std::size_t i) {
   return nearest_touching(diagram, i) > kInLine * local_spacing(cell, cell.capacity);
 }
 
-/// Of a site, in local spacings; infinite without a neighbor: alone on its component. kNone on a
-/// thin part.
+/// The distance from a site to its nearest neighbor, in local spacings. It is infinite for the only
+/// site of a component, and kNone on a thin part.
 double alpha_at(const RestrictedVoronoi& diagram, std::size_t i, double mean) {
-  // An empty cell belongs to a site that coincides with another: nothing lies between them.
+  // An empty cell belongs to a site that coincides with another one, so alpha is 0.
   if (is_in_line(diagram, i)) return kNone;
   const double spacing = local_spacing(diagram.cells[i], mean);
   return spacing > 0.0 ? nearest_touching(diagram, i) / spacing : 0.0;
 }
 
-/// The half-edges of borders.
+/// The half-edges of all borders.
 std::vector<std::int32_t> border_half_edges(const Surface& surface) {
   std::vector<std::int32_t> result;
   const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
@@ -203,7 +207,7 @@ std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
     const Face& corners = surface.ordered().corners(face_of(h));
     const Vec3& a = surface.ordered().vertex(corners[static_cast<std::size_t>(h % 3)]);
     const Vec3 step = surface.ordered().vertex(corners[static_cast<std::size_t>((h + 1) % 3)]) - a;
-    // Each next site lies farther along the edge than the one before, so the walk ends.
+    // Each site lies farther along the edge than the previous one, so the walk ends.
     for (std::int32_t site = tree.nearest(surface.ordered().component(face_of(h)), a); site >= 0;) {
       const auto i = static_cast<std::size_t>(site);
       result[i] = true;

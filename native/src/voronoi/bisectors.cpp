@@ -9,10 +9,12 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kFewRivals = 12;  // number sorted at once: enough for most faces
-// More than cells with near faces have: from here on sites are searched for at each face.
+constexpr std::size_t kFewRivals = 12;  // sites that are sorted first: enough for most faces
+// Cells whose faces are all near the site have fewer bisectors; beyond this number, sites are
+// searched for at each face.
 constexpr std::size_t kMany = NearSites::kMost;
-// Rounding of a squared distance, so that both sides see a face that lies in a bisector.
+// Rounding error of a squared distance, so that a face that lies in a bisector is found from both
+// sites.
 constexpr double kTie = 1e-13;
 
 }  // namespace
@@ -60,8 +62,8 @@ void Bisectors::look_further() {
   take_near();
 }
 
-/// Take the sites within reach, but fewer than kMany. Sites at the last distance count only if all
-/// of them are included, since their order is arbitrary.
+/// Add the sites within reach, but fewer than kMany. Sites at the largest distance are added only
+/// if all of them fit, because their order is arbitrary.
 void Bisectors::take_near() {
   const std::span<const Rival> near = near_.all();
   const bool cut_off = near.size() >= kMany && index_->population() > kMany + 1;
@@ -78,7 +80,7 @@ void Bisectors::take_near() {
   settle(bisectors_.size());
 }
 
-/// Most faces are decided by the nearest few of many rivals: the others need not be sorted.
+/// On most faces only the nearest few of many rivals matter, so the others need not be sorted.
 void Bisectors::take_rivals() {
   const auto first = rivals_.begin() + static_cast<std::ptrdiff_t>(next_rival_);
   const std::size_t count = std::min(kFewRivals, rivals_.size() - next_rival_);
@@ -151,8 +153,8 @@ Bisector Bisectors::bisector_to(std::int32_t other) const {
   return {d, 0.5 * d.squaredNorm(), d.squaredNorm(), other, is_out_of_sight(other)};
 }
 
-/// Whether straight distance to a site goes through a wall or over a gap. The part
-/// that it would cut off would be uncovered and returned to this component's sites, face by face.
+/// Whether the straight line to a site passes through a wall or over a gap. The part that its
+/// bisector would cut off would be uncovered and returned to this component's sites, face by face.
 bool Bisectors::is_out_of_sight(std::int32_t other) const {
   if (all_) return false;
   const OrderedSurface& mesh = surface_->ordered();
@@ -162,8 +164,8 @@ bool Bisectors::is_out_of_sight(std::int32_t other) const {
          mesh.geometry(own).normal.dot(mesh.geometry(theirs).normal) < 0.0;
 }
 
-// Of coincident sites the first of the caller's owns the cell. The others share its plane; where
-// rounding lets theirs cut once more, the boundary would name an empty cell.
+// The first of coincident sites, in the caller's order, owns the cell. The others have the same
+// bisector; if it cut once more because of rounding, the boundary would refer to an empty cell.
 void Bisectors::drop_twins() {
   std::size_t kept = 0;
   for (std::size_t k = 0; k < bisectors_.size(); ++k) {

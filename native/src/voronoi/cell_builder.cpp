@@ -11,13 +11,13 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 32;   // cells a chunk
-constexpr std::size_t kWorks = 128;  // chunks at work, so few that their results stay in the cache
-constexpr std::size_t kSum = 4096;   // cells, in one sum
+constexpr std::size_t kGrain = 32;   // cells per chunk
+constexpr std::size_t kWorks = 128;  // chunks in progress, so few that results stay in the cache
+constexpr std::size_t kSum = 4096;   // cells per partial sum
 constexpr double kRoom =
     1.02;  // memory for boundaries, relative to the estimate from previous cells
 
-// Share of the progress when all but the cells with uncovered faces are known: few or many.
+// Share of the progress when all cells without uncovered faces are known.
 constexpr double kFlooded = 0.7;
 
 std::size_t chunks_of(std::size_t count) { return (count + kGrain - 1) / kGrain; }
@@ -44,7 +44,7 @@ Moments not_negative(Moments cell) {
 CellBuilder::CellBuilder(const Surface& surface)
     : surface_(surface), index_(sites_), workers_([this] { return Worker(*this); }) {}
 
-/// The projector if some faces have no density.
+/// Create the projector if some faces have no density.
 void CellBuilder::find_gaps() {
   if (full_area_ > 0.0 || surface_.uniform()) return;
   std::vector<bool> empty(surface_.face_count());
@@ -126,16 +126,16 @@ std::vector<CellPolygon> CellBuilder::polygons(Context* context) {
   return result;
 }
 
-/// A site's shares of uncovered faces, as a range of shares_.
+/// The uncovered faces of which a site owns a part, as a range of shares_.
 std::span<const Share> CellBuilder::shares_of(std::int32_t site) const {
   const auto first = std::lower_bound(shares_.begin(), shares_.end(), Share{site, OrderedFace{-1}});
   const auto last = std::lower_bound(first, shares_.end(), Share{site + 1, OrderedFace{-1}});
   return {first, last};
 }
 
-/// Call `visit(face, whole)` for each piece of the site's cell, and `flush()` after each change
-/// of bisectors. Uncovered faces with owners are divided among these; the floods' results there are
-/// ignored.
+/// Call `visit(face, whole)` for each piece of the site's cell, and `flush()` after each change of
+/// bisectors. Uncovered faces with owners are divided among the owners; the floods' results on them
+/// are ignored.
 template <typename Visit, typename Flush>
 void CellBuilder::for_each_piece(Worker& worker, std::int32_t site, const Visit& visit,
                                  const Flush& flush) {
@@ -155,7 +155,8 @@ void CellBuilder::for_each_piece(Worker& worker, std::int32_t site, const Visit&
   }
 }
 
-/// The faces to flood a Euclidean cell from; a connected one is flooded from its site alone.
+/// The faces from which a Euclidean cell is flooded; a connected cell is flooded only from its
+/// site.
 std::span<const OrderedFace> CellBuilder::seeds_of(Worker& worker, std::int32_t site) const {
   worker.seeds = {sites_.faces[static_cast<std::size_t>(site)]};
   if (!connected_)
@@ -243,7 +244,7 @@ void CellBuilder::integrate(Chunk& chunk, Worker& worker) {
 }
 
 bool CellBuilder::missing_area() const {
-  if (gaps_) return count() > 0;  // areas are no criterion
+  if (gaps_) return count() > 0;  // the area is no criterion with gaps
   const double covered =
       parallel_sum(count(), kSum, [&](std::size_t k) { return result_->cells[k].area; });
   return count() > 0 && area_to_cover_ - covered > 1e-11 * surface_.area();
@@ -280,7 +281,7 @@ void CellBuilder::share_uncovered_faces(Context* context) {
   integrate(changed, context);
 }
 
-/// The sites that own a part of the face if only the rivals compete.
+/// The sites that own a part of the face if only the rivals are considered.
 std::vector<std::int32_t> CellBuilder::winners(OrderedFace face,
                                                std::span<const std::int32_t> asked,
                                                std::span<const std::int32_t> rivals) {
@@ -301,7 +302,7 @@ std::vector<OrderedFace> CellBuilder::without_owner(std::vector<OrderedFace> fac
   return faces;
 }
 
-/// Euclidean cells, and parts without any site: the sites nearest in space.
+/// For Euclidean cells and for parts without any site, the owners are the sites nearest in space.
 void CellBuilder::add_nearest_owners(std::span<const OrderedFace> faces) {
   std::vector<std::vector<Share>> found(faces.size());
   parallel_chunks(faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -310,7 +311,7 @@ void CellBuilder::add_nearest_owners(std::span<const OrderedFace> faces) {
   });
   for (const auto& part : found) shares_.insert(shares_.end(), part.begin(), part.end());
   std::sort(shares_.begin(), shares_.end());
-  // Several sites at one place may each have led to the one of them that owns it all.
+  // Each of several coincident sites may have led to the one that owns their cell.
   shares_.erase(std::unique(shares_.begin(), shares_.end()), shares_.end());
 }
 
@@ -320,17 +321,17 @@ void CellBuilder::index_owners() {
   std::partial_sum(divided_.begin(), divided_.end(), divided_.begin());
   owners_.resize(shares_.size());
   std::vector<std::size_t> next(divided_.begin(), divided_.end() - 1);
-  for (const Share& share : shares_)  // sorted by site, and so is each row
+  for (const Share& share : shares_)  // sorted by site, so each row is sorted too
     owners_[next[as_index(share.face)]++] = share.site;
 }
 
-/// The face may be far from the site, and then little of what is near the site matters.
+/// If the face is far from the site, most sites near the site are irrelevant.
 bool CellBuilder::reset_far(CellFlood& flood, std::int32_t site) const {
   return index_.has_graph() ? flood.reset(site) : flood.reset_far(site);
 }
 
-/// From the site nearest to the face's centroid on, every site across an edge of a piece owns a
-/// piece too.
+/// The search starts with the site nearest to the face's centroid; each site across an edge of a
+/// piece owns a piece too.
 std::vector<Share> CellBuilder::nearest_owners(OrderedFace face) {
   CellFlood& flood = workers_.local().flood;
   std::vector<std::int32_t> known = {nearest_to(face)};
@@ -342,8 +343,8 @@ std::vector<Share> CellBuilder::nearest_owners(OrderedFace face) {
       if (std::find(known.begin(), known.end(), j) == known.end()) known.push_back(j);
     };
     if (flood.polygon().empty()) {
-      // Of two sites that all but touch an edge may name the one that has nothing of the face; it
-      // is the other that cut it off.
+      // If two sites almost coincide, an edge may name the one without any part of the face; the
+      // other one has cut it off.
       for (const std::int32_t cut : flood.cuts()) add(flood.bisector(cut).site);
       continue;
     }

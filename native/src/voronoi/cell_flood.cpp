@@ -11,12 +11,12 @@
 namespace dapple {
 namespace {
 
-// Floods before their stamps begin anew: with more sites than that, indices end too.
+// Number of floods before the stamps restart at 0; the indices of sites have about the same limit.
 constexpr std::int32_t kMostStamps = 1 << 30;
-// Rounding of x . (x_j - x_i), of r |x_j - x_i| with r the radius of a polygon.
+// Rounding error of x . (x_j - x_i), relative to r |x_j - x_i|, where r is the radius of a polygon.
 constexpr double kTie = 1e-14;
-constexpr std::size_t kMostTies = 8;  // sites as near as another one that are looked at
-constexpr double kOverGaps = 0.8;     // spacings from a site: farther gaps matter to nobody
+constexpr std::size_t kMostTies = 8;  // number of equally near sites that are tried
+constexpr double kOverGaps = 0.8;     // spacings from a site: gaps farther away do not matter
 
 Vec3 vector(const Triple& x) { return {x.x, x.y, x.z}; }
 
@@ -57,8 +57,8 @@ void CellFlood::turn_to(std::int32_t site) {
   ++turn_;
 }
 
-/// Where neighbors repel each other over a gap, in spacings of the density at the site. A site that
-/// has none itself is to see how far it is to where there is some.
+/// The distance within which neighbors repel each other over a gap, from the spacing at the site.
+/// It is infinite for a site without density, so that any density around it is found.
 double CellFlood::gap_reach() const {
   const OrderedSurface& mesh = surface_->ordered();
   const Moments& own = mesh.geometry(sites_->faces[static_cast<std::size_t>(site_)]).moments;
@@ -95,9 +95,9 @@ bool CellFlood::clip(OrderedFace face) {
   return whole_;
 }
 
-/// False if other sites may cut as well.
+/// Returns false if other sites may cut the polygon too.
 bool CellFlood::clip_near(const HalfSpaces::Triangle& triangle) {
-  // Only sites with |x_j - x_i| <= 2 r matter.
+  // Only sites with |x_j - x_i| <= 2 r can cut the polygon.
   const double floor = -2.0 * kTie * polygon_.squared_radius();
   std::size_t k = 0;
   while (const Bisector* next = bisectors_.at(k)) {
@@ -105,7 +105,7 @@ bool CellFlood::clip_near(const HalfSpaces::Triangle& triangle) {
     const std::size_t last =
         std::min(k - k % HalfSpaces::kBlock + HalfSpaces::kBlock, bisectors_.settled());
     const unsigned skipped = k % HalfSpaces::kBlock;
-    // What does not reach the triangle does not reach what is left of it.
+    // A half-space that does not reach the triangle does not reach the rest of it.
     const unsigned reached = bisectors_.half_spaces().reached_by(k - skipped, triangle, floor);
     if (!cut_by_those(reached >> skipped, k, last) || is_far(*bisectors_.at(last - 1))) return true;
     k = last;
@@ -113,9 +113,9 @@ bool CellFlood::clip_near(const HalfSpaces::Triangle& triangle) {
   return bisectors_.complete();
 }
 
-/// If a cell reaches far beyond the site's neighbors, as where few sites own a large area, the
-/// distance from the site does not determine the relevant sites. Then the face decides: the rest
-/// of it is convex, so it belongs to the site if its corners do.
+/// If a cell reaches far beyond the site's neighbors, for example because few sites own a large
+/// area, the distance from the site does not determine the relevant sites. Then the corners of the
+/// rest of the face are tested: the rest is convex, so it belongs to the site if all corners do.
 void CellFlood::clip_far(const HalfSpaces::Triangle& triangle,
                          const std::array<std::int32_t, 3>& vertices) {
   rest_.start(polygon_.corners());
@@ -140,7 +140,7 @@ void CellFlood::take_known_far() {
   }
 }
 
-/// Wherever another site is nearer to a corner, its bisector cuts that off.
+/// If another site is nearer to a corner, its bisector cuts the corner off.
 void CellFlood::find_far(const HalfSpaces::Triangle& triangle,
                          const std::array<std::int32_t, 3>& vertices) {
   own_vertices_.resize(surface_->vertex_count(), 0);
@@ -169,14 +169,14 @@ bool CellFlood::take_far(std::size_t k) {
   return true;
 }
 
-/// A corner of the rest that may belong to another site.
+/// A corner of the remaining polygon that may belong to another site.
 const Vec3* CellFlood::next_unsure() const {
   for (const Polygon::Corner& corner : rest_.corners())
     if (std::find(sure_.begin(), sure_.end(), corner.x) == sure_.end()) return &corner.x;
   return nullptr;
 }
 
-/// Cut by the bisectors in [first, last) whose bits are set. False if nothing is left.
+/// Cut by the bisectors in [first, last) whose bits are set. Returns false if nothing is left.
 bool CellFlood::cut_by_those(unsigned reached, std::size_t first, std::size_t last) {
   for (; reached != 0; reached &= reached - 1) {
     const std::size_t k = first + static_cast<std::size_t>(std::countr_zero(reached));

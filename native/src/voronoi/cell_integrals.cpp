@@ -12,8 +12,8 @@
 namespace dapple {
 namespace {
 
-/// Relative to a nearby point, so that differences are exact; far from the origin the centroid
-/// itself would be rounded.
+/// The centroid relative to a nearby point, so that differences are exact; far from the origin the
+/// centroid itself would be rounded.
 Triple centroid_of(const Surface& surface, OrderedFace face, const Triple& from) {
   const auto [a, b, c] = surface.ordered().corners(face);
   const Triple sum = (Triple(surface.ordered().vertex(a)) - from) +
@@ -83,8 +83,8 @@ void CellIntegrals::add_area(const FaceGeometry& geometry) {
   add_integrals(moments_, piece);
 }
 
-// Points of a bisector have equal distance from both sites, so a path over one is twice as long.
-// Along a bisector phi (x - x_i) has degree 2: Simpson's rule is exact.
+// Points of a bisector have equal distance from both sites, so a path through such a point has
+// twice that length. Along a bisector phi (x - x_i) has degree 2: Simpson's rule is exact.
 void CellIntegrals::add_boundary(const FaceGeometry& geometry) {
   const auto corners = flood_->polygon().corners();
   const Triple normal(geometry.normal);

@@ -10,8 +10,8 @@
 namespace dapple {
 namespace {
 
-// One function for each instruction set. All of them round each square and each sum by itself, in
-// the order of squared_distances().
+// One function for each instruction set. All of them round each square and each sum separately, in
+// the order of squared_distances(), and so give identical results.
 
 #if defined(__x86_64__)
 
@@ -53,8 +53,7 @@ unsigned compare_sse2(const Eight& low, const Eight& high, const Box& query, dou
 
 [[gnu::target("avx512f")]] unsigned compare_avx512(const Eight& low, const Eight& high,
                                                    const Box& query, double limit) {
-  constexpr __mmask8 kAll =
-      0xff;  // the form without a mask makes GCC 12 warn of uninitialized values
+  constexpr __mmask8 kAll = 0xff;  // without a mask, GCC 12 warns about uninitialized values
   __m512d sum = _mm512_setzero_pd();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);

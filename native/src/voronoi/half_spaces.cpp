@@ -12,8 +12,8 @@ constexpr std::size_t kBlock = HalfSpaces::kBlock;
 constexpr std::size_t kY = kBlock, kZ = 2 * kBlock, kOffset = 3 * kBlock;
 using Triangle = HalfSpaces::Triangle;
 
-// One function for each instruction set. All of them round each product and each sum by itself, in
-// the order of Triple::dot(), so that their bits are those of single numbers.
+// One function for each instruction set. All of them round each product and each sum separately, in
+// the order of Triple::dot(), so that results are identical to those of scalar code.
 
 #if defined(__x86_64__)
 

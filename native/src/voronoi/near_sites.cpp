@@ -13,10 +13,10 @@ namespace dapple {
 namespace {
 
 constexpr double kFirstReach = 1.8;  // spacings
-constexpr double kFurther = 2.25;    // squared
-constexpr int kFewExtensions = 2;    // of one site, before it searches by itself
+constexpr double kFurther = 2.25;    // factor of the squared reach
+constexpr int kFewExtensions = 2;    // of one site, before it searches on its own
 constexpr double kMargin = 1.25;     // of the squared reach that the last neighborhood needed
-constexpr double kAlike = 4.0;       // needs that are representative, relative to the median
+constexpr double kAlike = 4.0;       // largest representative need, relative to the median
 constexpr std::size_t kNone = ~std::size_t{0};
 constexpr std::size_t kFew = 24;
 
@@ -49,8 +49,8 @@ bool NearSites::is_complete() const {
   return within_reach_ + 1 >= index_->population() || !std::isfinite(squared_reach_);
 }
 
-/// First by a little. If that is not enough, the site may be far from all others: then until kMost
-/// sites are found.
+/// The reach is first extended by a little. If that is not enough, the site may be far from all
+/// others; then the reach is extended until kMost sites are found.
 void NearSites::extend() {
   const Vec3& position = sites_->position(site_);
   const double farther = kFurther * squared_reach_;
@@ -71,8 +71,8 @@ void NearSites::put_need_away() {
   ++need_count_;
 }
 
-/// Record the reach that a site of the neighborhood needed. An isolated site, which needed far more
-/// than others, says nothing about the next ones.
+/// The largest reach that a site of the neighborhood needed. Isolated sites are ignored: they
+/// needed far more than others and say nothing about the next ones.
 double NearSites::most_needed() {
   const std::span<double> needs =
       std::span(needs_).first(std::min(std::exchange(need_count_, 0), needs_.size()));
@@ -92,7 +92,8 @@ void NearSites::look_around(const SiteIndex::Neighborhood& here) {
                         [&](std::int32_t site) { around_.add(site, sites_->position(site)); });
 }
 
-/// A little more than this neighborhood needs, because others of the block may need more.
+/// The reach of a block is a little more than this neighborhood needs, because other neighborhoods
+/// of the block may need more.
 void NearSites::look_at(const SiteIndex::Neighborhood& block) {
   block_ = block.number;
   squared_reach_block_ = kMargin * squared_reach_;
@@ -127,7 +128,7 @@ void NearSites::measure(const Places& places) {
   }
 }
 
-// Without a branch, because a processor cannot predict which positions are within reach.
+// The loop has no branch, because a processor cannot predict which positions are within reach.
 void NearSites::choose(const Places& places) {
   measure(places);
   const std::size_t size = places.sites.size();

@@ -13,7 +13,7 @@ namespace {
 constexpr std::int32_t kNone = -1;
 constexpr double kUncovered = 1e-9;  // share of a face's area that rounding cannot explain
 
-using SiteSet = std::vector<std::int32_t>;  // sorted, each once
+using SiteSet = std::vector<std::int32_t>;  // sorted, without duplicates
 
 void make_set(SiteSet& sites) {
   std::sort(sites.begin(), sites.end());
@@ -58,7 +58,7 @@ class Propagation {
   }
 
  private:
-  /// All active faces read the state before the round, so that their order does not matter.
+  /// All active faces use the state before the round, so that their order does not matter.
   std::vector<std::size_t> round(const std::vector<std::size_t>& active) {
     std::vector<SiteSet> owners(active.size());
     parallel_chunks(active.size(), 32, [&](std::size_t begin, std::size_t end) {
@@ -135,10 +135,10 @@ class Propagation {
   const Surface& surface_;
   std::span<const OrderedFace> uncovered_;
   const Divide& divide_;
-  std::vector<std::int32_t> number_of_;  // per face: its place among the uncovered ones, or kNone
-  std::vector<SiteSet> owners_;          // per face, of uncovered ones and their neighbors
-  std::vector<SiteSet> sure_;   // per uncovered face: those whose floods found an area of it
-  std::vector<SiteSet> known_;  // per uncovered face: all that have ever competed for it
+  std::vector<std::int32_t> number_of_;  // per face: its index among the uncovered ones, or kNone
+  std::vector<SiteSet> owners_;          // per uncovered face or neighbor of one
+  std::vector<SiteSet> sure_;   // per uncovered face: sites whose floods found a part of it
+  std::vector<SiteSet> known_;  // per uncovered face: all sites that have competed for it
 };
 
 }  // namespace

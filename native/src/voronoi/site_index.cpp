@@ -15,11 +15,11 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kCrowd = 16;    // sites on one face: fewer are searched linearly
+constexpr std::size_t kCrowd = 16;    // sites on one face: smaller groups are searched linearly
 constexpr std::size_t kMany = 8;      // sites on one face, on average
-constexpr std::size_t kCounted = 16;  // faces a site
+constexpr std::size_t kCounted = 16;  // faces per site
 constexpr std::size_t kFew = 1024;    // sites: below this the order does not matter
-constexpr double kLoose = 4.0;        // relative to the size of leaves of sites on a surface
+constexpr double kLoose = 4.0;        // relative to leaves of sites that are spread out
 
 }  // namespace
 
@@ -38,7 +38,8 @@ void OrderedSites::assign(const Surface& surface, const Sites& sites) {
   });
 }
 
-/// By face and number: by counting the sites on each face where there are not far more faces.
+/// Sort the sites by face and index. The sites on each face are counted unless there are far more
+/// faces than sites.
 void OrderedSites::order_by_face(std::size_t face_count) {
   originals.resize(callers_.size());
   if (face_count > kCounted * callers_.size()) {
@@ -78,7 +79,7 @@ void SiteIndex::update(const SiteGraph* graph) {
     ordered_[static_cast<std::size_t>(sites_->originals[k])] = static_cast<std::int32_t>(k);
 }
 
-// Sites are sorted by face and caller's index, so those of a face are one run.
+// Sites are sorted by face and caller's index, so the sites of a face are contiguous.
 void SiteIndex::leave_crowds_out() {
   const std::vector<OrderedFace>& faces = sites_->faces;
   for (std::size_t first = 0, last = 0; first < faces.size(); first = last) {
@@ -89,7 +90,7 @@ void SiteIndex::leave_crowds_out() {
     if (leaders_[k] == static_cast<std::int32_t>(k)) kept_.push_back(static_cast<std::int32_t>(k));
 }
 
-/// The order of the faces is also an order in space of the sites, unless a face holds many.
+/// Sorting by face also sorts the sites in space, unless a face holds many sites.
 bool SiteIndex::are_spread() const {
   std::size_t occupied = 0;
   for (std::size_t k = 0; k < sites_->size(); ++k)
@@ -97,7 +98,7 @@ bool SiteIndex::are_spread() const {
   return sites_->size() <= kMany * occupied;
 }
 
-/// Whether the order of the faces is no order in space: leaves are far too large.
+/// Whether the order of the faces is not an order in space; then leaves are far too large.
 bool SiteIndex::are_off_their_faces() const {
   const std::size_t count = sites_->size();
   if (count < kFew) return false;
@@ -164,7 +165,7 @@ std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
     least = squared;
     best = site;
   });
-  return best >= 0 ? best : from;  // so far away that no squared distance is a number
+  return best >= 0 ? best : from;  // too far away: squared distances overflow
 }
 
 double SiteIndex::squared_distance_of_nearest(std::size_t count, const Vec3& point,
