@@ -16,16 +16,17 @@ namespace {
 
 using Mat3 = Eigen::Matrix3d;
 
-constexpr double kAtBorder = 1e-6;  // weight of a face at a border, whose normals are one-sided
+constexpr double kAtBorder = 1e-6;  // weight of a face at a border, where normals are one-sided
 // Shares of the progress of each step.
 constexpr double kOriented = 1.0, kNormals = 1.0, kTensors = 5.0, kSmoothed = 6.0;
 constexpr double kFound = 0.95;
 constexpr double kKnown = 0.85;  // share of the progress of a density when the curvature is known
-constexpr double kFlat = 1e-9;   // curvedness times size: below that it is rounding
+constexpr double kFlat = 1e-9;   // curvedness times size: smaller values are rounding errors
 
 std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-/// A sign per ordered face; multiplied by it, the normals of neighbors point to the same side.
+/// A sign per ordered face; multiplied by their signs, the normals of neighbors point to the same
+/// side.
 std::vector<double> orient(const Surface& surface, const Context* context) {
   std::vector<double> signs(surface.face_count(), 0.0);
   std::vector<std::int32_t> pending;
@@ -57,7 +58,7 @@ struct WeightedTensor {
   Mat3 sum = Mat3::Zero();
   double weight = 0.0;
 
-  /// Add a part, rotated by the rotation from its normal to ours.
+  /// Add a part, rotated from its normal to the normal of this neighborhood.
   void add(const WeightedTensor& part, const Vec3& normal, const Vec3& ours, double scale = 1.0) {
     if (part.weight <= 0.0) return;
     const Mat3 turn = turning(normal, ours);
@@ -66,7 +67,8 @@ struct WeightedTensor {
   }
 
  private:
-  /// Identity where there is no normal: a vertex whose faces cancel each other.
+  /// The rotation between two normals. It is the identity if one of them is zero, as at a vertex
+  /// whose faces' normals cancel.
   static Mat3 turning(const Vec3& from, const Vec3& to) {
     if (from.isZero(0.0) || to.isZero(0.0)) return Mat3::Identity();
     return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
@@ -114,15 +116,15 @@ class CurvatureField {
   [[nodiscard]] Face corners(std::size_t f) const {
     return surface_.ordered().welded_corners(nth_face(f));
   }
-  /// Whether a face has no information about curvature: it has no area, or two of its corners are
-  /// welded.
+  /// Whether a face has no information about curvature, because it has no area or two of its
+  /// corners are welded.
   [[nodiscard]] bool is_lost(std::size_t f) const {
     const auto [a, b, c] = corners(f);
     return geometry(f).moments.area <= 0.0 || a == b || b == c || c == a;
   }
   [[nodiscard]] Vec3& normal_at(std::int32_t vertex) { return normals_[as_size(vertex)]; }
 
-  /// Max (1999): with these weights the normals are exact if the vertices lie on a sphere.
+  /// With the weights of Max (1999), the normals are exact if the vertices lie on a sphere.
   void add_normals() {
     for (std::size_t f = 0; f < face_normals_.size(); ++f) {
       check_at(context_, f);
@@ -198,7 +200,7 @@ class CurvatureField {
     return parts;
   }
 
-  /// Of each face, the mean of its vertices.
+  /// For each face, the mean of the tensors of its vertices.
   [[nodiscard]] std::vector<WeightedTensor> gathered() const {
     std::vector<WeightedTensor> parts(face_normals_.size());
     for (std::size_t f = 0; f < parts.size(); ++f) {
@@ -210,7 +212,7 @@ class CurvatureField {
     return parts;
   }
 
-  /// Of each vertex, the sum of its faces.
+  /// Set the tensor of each vertex to the sum over its faces.
   void spread(const std::vector<WeightedTensor>& parts) {
     tensors_.assign(normals_.size(), {});
     for (std::size_t f = 0; f < parts.size(); ++f) {
@@ -223,7 +225,7 @@ class CurvatureField {
   const Surface& surface_;
   const Context* context_;
   double done_ = 0.0;
-  std::vector<Vec3> face_normals_;  // turned the same way; zero without area
+  std::vector<Vec3> face_normals_;  // consistently oriented; zero without area
   std::vector<Vec3> normals_;       // per vertex, unit
   std::vector<WeightedTensor> tensors_;
 };

@@ -13,9 +13,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kMany = 24.0;   // cells on a face for which the surface is cut
+constexpr double kMany = 24.0;   // cells on a face: if there are more, the surface is cut
 constexpr double kFew = 8.0;     // cells on a piece
-constexpr double kNarrow = 1.0;  // spacings: a narrower face has all its cells in one row
+constexpr double kNarrow = 1.0;  // spacings: all cells of a narrower face are in one row
 constexpr std::size_t kMostFaces = 100'000'000;
 
 /// The largest power of two not above the number, so that similar numbers share a refinement.
@@ -33,7 +33,7 @@ double capacity_of(const Surface& surface, const Piece& piece) {
   return area_of(piece) * ((a + b + c) / 3.0).dot(densities);
 }
 
-/// The longest edge of a piece, unless the piece is narrower than that.
+/// The longest edge of a piece, unless the piece is narrower than `narrow`.
 EdgeMarks longest_edge(const Piece& piece, double narrow) {
   const auto& [a, b, c] = piece.corners;
   const std::array<double, 3> lengths = {(b - a).norm(), (c - b).norm(), (a - c).norm()};
@@ -53,7 +53,7 @@ bool has_large_face(const Surface& surface, double capacity) {
   return found;
 }
 
-/// Barycentric coordinates of a point of a face; sites may lack them.
+/// Barycentric coordinates of a site; they are computed if the sites have none.
 Vec3 weights_of(const Surface& surface, const Sites& sites, std::size_t k) {
   if (!sites.barycentric.empty()) return sites.barycentric[k];
   const auto [a, b, c] = surface.ordered().corners(surface.ordered().ordered_face(sites.faces[k]));

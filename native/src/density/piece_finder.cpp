@@ -12,7 +12,7 @@
 namespace dapple {
 namespace {
 
-// Weights of a point, given by its weights in the parent, in one of its pieces.
+// The weights of a point in one of the pieces, from its weights in the parent.
 Vec3 weights_in(const std::array<Vec3, 3>& corners, const Vec3& weights) {
   const auto doubled = [](const Vec3& a, const Vec3& b, const Vec3& c) {
     return (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
@@ -59,7 +59,7 @@ std::int32_t PieceFinder::along(const Grid& grid, double weight) {
   return std::clamp(static_cast<std::int32_t>(weight * grid.side), 0, grid.side - 1);
 }
 
-/// The cells that a piece's bounding box meets.
+/// Visits the cells that a piece's bounding box meets.
 template <typename Visit>
 void PieceFinder::for_each_cell(std::size_t piece, const Visit& visit) const {
   const auto& [a, b, c] = refined_.barycentric[piece];
@@ -81,7 +81,7 @@ PieceFinder::Found PieceFinder::find_below(std::int32_t parent, const Vec3& weig
                                   mesh.vertex(c)));
 }
 
-// A point shared by pieces belongs to the lowest one.
+// A point shared by several pieces belongs to the one with the lowest index.
 PieceFinder::Found PieceFinder::find(std::int32_t parent, const Vec3& weights) const {
   const OrderedSurface& mesh = refined_.original.ordered();
   if (!mesh.counts(mesh.ordered_face(parent))) return find_below(parent, weights);

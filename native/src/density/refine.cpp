@@ -13,8 +13,8 @@ namespace dapple {
 namespace {
 
 constexpr std::int32_t kNone = -1;
-// Shares of the progress: cutting, and each round as a share of the remaining cutting, because the
-// number of rounds is unknown and the last ones take longest.
+// Shares of the progress: all cutting, and each round of the remaining cutting, because the number
+// of rounds is unknown and the last ones take longest.
 constexpr double kCut = 0.5;
 constexpr double kRound = 0.25;
 
@@ -22,8 +22,8 @@ constexpr std::size_t kMoved = 4096;  // values between two checks
 
 std::int32_t as_int(std::size_t k) { return static_cast<std::int32_t>(k); }
 
-/// Reserve space for so many values and move the existing ones in small portions: a vector that
-/// grows by itself moves gigabytes at once.
+/// Reserve space for `count` values and move the existing ones in small portions, with checks for
+/// cancellation. A vector that grows on its own would move gigabytes at once.
 template <typename T>
 void reserve_watched(std::vector<T>& values, std::size_t count, const Context* context) {
   if (count <= values.capacity()) return;
@@ -42,18 +42,17 @@ struct Edge {
   std::array<std::int32_t, 2> ends;
   double squared_length;
   bool marked = false;
-  std::int32_t midpoint = kNone;  // once halved, with its halves at `half` and `half + 1`
+  std::int32_t midpoint = kNone;  // set when halved; the halves are then at `half` and `half + 1`
   std::int32_t half = kNone;
-  std::int32_t
-      twin;  // the next edge at the same place, of other vertices in the same order; a ring
+  std::int32_t twin;  // the next edge at the same place with other vertices, in a ring
 };
 
 struct Triangle {
   std::array<std::int32_t, 3> corners;
-  std::array<std::int32_t, 3> edges;  // k: from corner k to corner k + 1
+  std::array<std::int32_t, 3> edges;  // edge k runs from corner k to corner k + 1
   std::int32_t parent;
   std::array<Vec3, 3> barycentric;
-  bool fresh = true;  // the criterion has not seen it
+  bool fresh = true;  // the criterion has not been evaluated for it
 };
 
 /// Per vertex, its representative in the welded faces.
@@ -66,8 +65,8 @@ std::vector<std::int32_t> welded_vertices(std::span<const Face> faces, std::span
   return result;
 }
 
-/// Triangles store their edges, and edges their halves: neighbors find the same midpoints, or
-/// midpoints at the same place if their vertices differ.
+/// Triangles store their edges, and edges store their halves, so that neighbors use the same
+/// midpoints, or midpoints at the same place if their vertices differ.
 class CutMesh {
  public:
   CutMesh(const Surface& surface, const Context* context)
@@ -90,8 +89,8 @@ class CutMesh {
     }
   }
 
-  /// Evaluate the criterion for new pieces; true if an edge is marked.
-  /// \param all also those of faces without area
+  /// Evaluate the criterion for new pieces. Returns whether an edge was marked.
+  /// \param all whether pieces of faces without area are included
   bool mark(const Criterion& criterion, bool all) {
     std::vector<EdgeMarks> marks(triangles_.size(), EdgeMarks{});
     parallel_chunks(triangles_.size(), 256, [&](std::size_t begin, std::size_t end) {
@@ -183,13 +182,14 @@ class CutMesh {
     return e;
   }
 
-  /// Mark an edge for all of its faces.
+  /// Mark an edge and its twins, and thus for all faces.
   bool mark(std::int32_t e) {
     for (; !edge(e).marked; e = edge(e).twin) edge(e).marked = true;
     return true;
   }
 
-  /// The edges of the half-edges around a place: one for each pair of vertices, as twins.
+  /// Number the edges of the half-edges at one place. There is one edge for each pair of vertices,
+  /// and these edges are twins.
   void number_ring(std::int32_t half_edge, std::vector<std::int32_t>& edge_of) {
     const std::int32_t first = ends_of(half_edge)[0];
     std::vector<std::int32_t> twins;
@@ -239,7 +239,8 @@ class CutMesh {
                                                   [&](std::int32_t e) { return edge(e).marked; }));
   }
 
-  /// The longest of the edges that qualify, or kNone; the lower number at ties, on all sides alike.
+  /// The longest of the edges that qualify, or kNone. Of equal edges the lowest number is chosen,
+  /// so that all faces agree.
   template <typename Qualifies>
   [[nodiscard]] std::int32_t longest_of(const Triangle& triangle,
                                         const Qualifies& qualifies) const {
@@ -272,7 +273,7 @@ class CutMesh {
     return edge(e).half + (edge(e).ends[0] == end ? 0 : 1);
   }
 
-  // At most three deep: the new edges are not halved in this round.
+  // The recursion is at most three levels deep, because new edges are not halved in this round.
   void cut_at_longest(const Triangle& triangle, std::vector<Triangle>& out) {
     const std::int32_t e =
         longest_of(triangle, [](const Edge& candidate) { return candidate.midpoint != kNone; });

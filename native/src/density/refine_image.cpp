@@ -12,10 +12,10 @@
 namespace dapple {
 namespace {
 
-constexpr double kCut = 0.8;          // share of the progress when all faces are cut ...
-constexpr double kFilled = 0.9;       // ... and have their density
-constexpr double kPatch = 32.0;       // pixels: larger pieces are not tested pixel by pixel
-constexpr double kLinear = 1e-12;     // of the maximum: a second difference that is rounding
+constexpr double kCut = 0.8;       // share of the progress when all faces are cut ...
+constexpr double kFilled = 0.9;    // ... and have their density
+constexpr double kPatch = 32.0;    // pixels: larger pieces are not tested pixel by pixel
+constexpr double kLinear = 1e-12;  // of the maximum: smaller second differences are rounding errors
 constexpr double kLatticeStep = 0.5;  // pixels
 
 /// A triangle on the picture, in pixels; (0, 0) is the center of the first.
@@ -76,7 +76,7 @@ class Picture {
     return image_->values[row * image_->columns + column];
   }
 
-  /// The pixels from low to high; two ranges if a repeated picture wraps in between.
+  /// The pixels from low to high; two ranges if a repeated picture wraps around in between.
   [[nodiscard]] std::vector<Range> ranges(double low, double high, std::size_t count) const {
     if (!repeat_) return {{index(low, count), index(high, count) + 1}};
     if (high - low + 1.0 >= static_cast<double>(count)) return {{0, count}};
@@ -85,7 +85,7 @@ class Picture {
     return {{first, count}, {0, last + 1}};
   }
 
-  /// Whether the second differences about a pixel vanish.
+  /// Whether a second difference about a pixel is not zero.
   [[nodiscard]] bool bends_at(std::size_t c, std::size_t r) const {
     const auto x = static_cast<double>(c), y = static_cast<double>(r);
     const std::size_t left = column(x - 1.0), right = column(x + 1.0);
@@ -118,12 +118,12 @@ class Picture {
   bool repeat_;
   Vec2 size_;
   double maximum_;
-  std::vector<std::int64_t> sums_;  // of bent pixels, left of and below
+  std::vector<std::int64_t> sums_;  // sums of bent pixels to the left and below
 };
 
-/// Whether linear interpolation between the triangle's corners is off by more than allowed,
-/// relative to the maximum, at some point of a lattice, or on average by more than half of the
-/// tolerance, relative to the mean. Without the second test convex pictures would gain mass.
+/// Tests whether the error of linear interpolation between the triangle's corners exceeds the
+/// tolerance, relative to the maximum, at some point of a lattice, or on average half of the
+/// tolerance, relative to the mean. Without the second test, convex pictures would gain mass.
 class Deviation {
  public:
   Deviation(const Picture& picture, const PixelTriangle& t)
@@ -143,7 +143,7 @@ class Deviation {
   }
 
  private:
-  /// The middle of a part of the triangle; all parts are of one size.
+  /// Adds the middle of a part of the triangle; all parts have the same size.
   double add(double x, double y) {
     const Vec3 weights(x, y, 1.0 - x - y);
     const double value = (*picture_)(weights[0] * t_[0] + weights[1] * t_[1] + weights[2] * t_[2]);
@@ -159,7 +159,7 @@ class Deviation {
   double sum_ = 0.0, excess_ = 0.0;
 };
 
-/// Where a piece lies on the picture.
+/// Maps a piece to the picture.
 class Chart {
  public:
   Chart(const Picture& picture, std::span<const FaceUv> uv) : picture_(&picture), uv_(uv) {}
@@ -185,7 +185,8 @@ double longest_edge(const Piece& piece) {
   return std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
 }
 
-/// The edges of a piece to be halved where the picture is not linear, unless they are short.
+/// The edges of a piece that are halved because the picture is not linear there; short edges are
+/// not halved.
 EdgeMarks unresolved_edges(const Picture& picture, const PixelTriangle& t, const Piece& piece,
                            const ImageOptions& options) {
   const double longest = longest_edge(t);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kCut = 0.8;         // share of the progress when all faces are cut ...
 constexpr double kFilled = 0.9;      // ... and have their density
-constexpr double kRounding = 1e-14;  // of the largest coordinate, in the position of a sample
+constexpr double kRounding = 1e-14;  // of the largest coordinate: error of a sample's position
 
 double largest_coordinate(const Surface& surface) {
   double largest = 0.0;
@@ -56,8 +56,8 @@ class Balls {
                        [&](std::size_t k) { return distance_to(points_[k], t) < radii_[k]; });
   }
 
-  /// The smallest radius of the balls whose border crosses the triangle; infinite if it is within
-  /// one, or none reaches it.
+  /// The smallest radius of the balls whose border crosses the triangle; infinite if the triangle
+  /// is inside a ball or no ball reaches it.
   [[nodiscard]] double crossing_radius(std::int32_t parent, const std::array<Vec3, 3>& t) const {
     double smallest = std::numeric_limits<double>::infinity();
     for (const std::size_t k : of_face_[static_cast<std::size_t>(parent)]) {

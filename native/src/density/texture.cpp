@@ -11,7 +11,7 @@ namespace dapple {
 namespace {
 
 constexpr double kFilled = 0.8;        // share of the progress before the margin
-constexpr double kOnEdge = -1e-12;     // barycentric coordinate of a texel's center on an edge
+constexpr double kOnEdge = -1e-12;     // least barycentric coordinate of a center on an edge
 constexpr std::size_t kGrain = 65536;  // texels between two checks
 
 void check(const Surface& surface, std::span<const FaceUv> uv, std::size_t rows,

@@ -25,8 +25,7 @@ namespace {
 
 constexpr int kFreeRings = 2;     // around the cells that contain changed faces
 constexpr double kUneven = 0.02;  // of the capacity: a border cell that is off by more is freed,
-constexpr double kPushed =
-    0.01;  // of the capacity: but only if it was off by this much less before
+constexpr double kPushed = 0.01;  // of the capacity: but only if it is now off by this much more
 constexpr int kGrowths = 16;
 constexpr std::size_t kHole = 256;  // most faces of a hole that is filled
 constexpr int kHardlyAny = 16;      // sites: too few to determine the capacity

@@ -19,15 +19,15 @@ constexpr double kVerticesOrdered = 0.12, kFacesOrdered = 0.35, kEdgesLinked = 0
 constexpr std::size_t kLookups = 65536;  // between two checks
 constexpr double kFarthest = 1e300;      // a coordinate plus the size of a cell does not overflow
 constexpr double kNoTolerance = -1.0;
-constexpr double kAll = 2.0;  // in diagonals: more than the distance of any vertices
+constexpr double kAll = 2.0;  // in diagonals: exceeds the distance between any two vertices
 
 struct HalfEdgeKey {
   std::int32_t low, high, half_edge;
   auto operator<=>(const HalfEdgeKey&) const = default;
 };
 
-/// Link the half-edges of equal keys into rings, in the order of their faces; those without a key
-/// each by itself.
+/// Link the half-edges of equal keys into rings, in the order of their faces. A half-edge without a
+/// key forms a ring of its own.
 std::vector<std::int32_t> link_rings(std::vector<HalfEdgeKey> keys, std::size_t half_edges,
                                      Context* context) {
   sort_watched(keys, context);
@@ -106,8 +106,8 @@ std::vector<std::int32_t> invert(std::span<const std::int32_t> order, const Cont
   return inverse;
 }
 
-/// How far vertices of one place may be apart; kNoTolerance where cells of that size have no
-/// numbers: the area of faces of such vertices is 0 or not finite either.
+/// The largest distance between vertices at the same place; kNoTolerance if grid cells of that size
+/// cannot be numbered. In that case the area of faces of such vertices is 0 or not finite.
 double tolerance_of(std::span<const Vec3> vertices, double weld) {
   Vec3 low = vertices[0], high = vertices[0];
   for (std::size_t v = 0; v < vertices.size(); ++v) {
@@ -119,7 +119,7 @@ double tolerance_of(std::span<const Vec3> vertices, double weld) {
   return std::min(weld, kAll) * (high - low).stableNorm();
 }
 
-/// Link the edges; with `weld` also those at the same place.
+/// Link the edges; with `weld` also edges at the same place.
 void link(std::span<const Vec3> vertices, std::optional<double> weld, Connectivity& mesh,
           Context* context) {
   Stretch linking(context, kFacesOrdered, kEdgesLinked), welding(context, kEdgesLinked, kWelded);
@@ -166,7 +166,7 @@ void link(std::span<const std::int32_t> edges, std::span<const std::int32_t> pla
   }
 }
 
-/// Everything except the links.
+/// Order the faces and vertices; everything except the links.
 Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face> faces,
                            Context* context) {
   Connectivity result;

@@ -13,11 +13,11 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 4096;  // faces a chunk
+constexpr std::size_t kGrain = 4096;  // faces per chunk
 constexpr double kRounding =
     1e-9;  // of a cosine, so that an edge of exactly this angle is not sharper
 constexpr std::int32_t kNone = -1;
-constexpr double kSame = 1e-4;  // between normals of one place, stored in single precision
+constexpr double kSame = 1e-4;  // difference of equal normals in single precision
 
 std::int32_t corner_of(std::int32_t half_edge) { return half_edge % 3; }
 std::int32_t next_in_face(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
@@ -38,8 +38,8 @@ std::optional<std::int32_t> twin_of(const OrderedSurface& mesh, std::int32_t h) 
   return twin;
 }
 
-/// Whether the faces of an edge differ by more than the angle. A face without area has no normal:
-/// those beside it are compared.
+/// Whether the faces of an edge differ by more than the angle. A face without area has no normal;
+/// the faces beside it are compared instead.
 bool is_sharp(const OrderedSurface& mesh, std::int32_t h, std::int32_t twin, double cosine) {
   const auto normal = [&](std::int32_t k) -> const Vec3& {
     return mesh.geometry(face_of(k)).normal;
@@ -77,7 +77,7 @@ class Fans {
  public:
   explicit Fans(const OrderedSurface& mesh) : mesh_(mesh) {}
 
-  /// The corners that share the normal of this one, by the half-edges that start there; sorted.
+  /// The corners that share the normal of this one, as the half-edges that start there; sorted.
   void collect(std::int32_t corner, std::vector<std::int32_t>& fan) const {
     fan.assign(1, corner);
     std::int32_t next = left_of(corner);
@@ -91,8 +91,8 @@ class Fans {
   [[nodiscard]] bool is_hard(std::int32_t h) const {
     return (mesh_.shading().hard[as_index(face_of(h))] >> corner_of(h)) & 1U;
   }
-  /// The corner at the same vertex over the edge that ends there, or over the one that starts;
-  /// kNone over a hard edge.
+  /// The corner at the same vertex beyond the edge that ends there, or beyond the one that starts
+  /// there; kNone if that edge is hard.
   [[nodiscard]] std::int32_t left_of(std::int32_t corner) const {
     const std::int32_t edge = previous_in_face(corner);
     return is_hard(edge) ? kNone : mesh_.next_around(edge);
@@ -104,7 +104,8 @@ class Fans {
   const OrderedSurface& mesh_;
 };
 
-/// Scales by a power of two, so that products of coordinates neither overflow nor lose digits.
+/// Scales a vector to a length of about 1 by a power of two, so that products of coordinates
+/// neither overflow nor lose digits.
 Vec3 of_length_one_or_so(const Vec3& v) {
   const double largest = v.cwiseAbs().maxCoeff();
   return largest > 0.0 ? Vec3(v * std::ldexp(1.0, -std::ilogb(largest))) : v;

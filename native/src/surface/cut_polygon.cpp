@@ -28,7 +28,7 @@ bool all_finite(std::span<const Vec3> corners) {
   return std::all_of(corners.begin(), corners.end(), [](const Vec3& p) { return p.allFinite(); });
 }
 
-/// Scales into the unit ball by a power of two, so that no digits change.
+/// Scales the corners into the unit ball by a power of two, which changes no digits.
 std::vector<Vec3> scaled(std::span<const Vec3> corners) {
   double most = 0.0;
   for (const Vec3& p : corners) most = std::max(most, p.cwiseAbs().maxCoeff());
@@ -39,7 +39,7 @@ std::vector<Vec3> scaled(std::span<const Vec3> corners) {
   return result;
 }
 
-/// Twice the area, along the normal (Newell).
+/// The normal with twice the area as its length (Newell's method).
 Vec3 newell(std::span<const Vec3> corners) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 2; k < corners.size(); ++k)
@@ -53,7 +53,7 @@ double size_of(std::span<const Vec3> corners) {
   return size;
 }
 
-/// The farthest distance from the plane through the first corner.
+/// The largest distance of a corner from the plane through the first one.
 double off_plane(std::span<const Vec3> corners, const Vec3& normal) {
   double most = 0.0;
   for (const Vec3& p : corners) most = std::max(most, std::abs((p - corners[0]).dot(normal)));
@@ -109,7 +109,8 @@ std::vector<Point> projected(std::span<const Vec3> corners, const Vec3& normal) 
 class FlatPolygon {
  public:
   /// \param places the positions of the corners in space
-  /// \return none if edges cross, nothing is inside, or different positions coincide
+  /// \return none if edges cross, the polygon has no inside, or different positions coincide in the
+  /// plane
   std::optional<Cuts> cut(const std::vector<Point>& corners, std::span<const Vec3> places) {
     for (const Point& p : corners) insert(p);
     const std::size_t n = at_.size();
@@ -126,7 +127,7 @@ class FlatPolygon {
       if (!count_edges(at_[k], at_[(k + 1) % n])) return std::nullopt;
     mark_inside(mesh_, [this](Triangulation::Face_handle face, int k) { return crosses(face, k); });
     Cuts cuts = inner();
-    return cuts.empty() ? std::nullopt : std::optional(std::move(cuts));  // rounds that cancel
+    return cuts.empty() ? std::nullopt : std::optional(std::move(cuts));  // empty if loops cancel
   }
 
  private:
@@ -141,7 +142,8 @@ class FlatPolygon {
 
   static Edge between(Vertex a, Vertex b) { return std::minmax(a->info(), b->info()); }
 
-  /// Edges that lie on the way from one corner to the next, over all corners that touch it.
+  /// Count the edges on the way from one corner to the next, through all corners that touch it.
+  /// Returns false if there is no way.
   bool count_edges(Vertex from, Vertex to) {
     while (from != to) {
       const Vertex next = next_on_way(from, to);
@@ -168,7 +170,7 @@ class FlatPolygon {
     return {};
   }
 
-  /// Whether an edge is passed an odd number of times.
+  /// Whether the polygon runs along an edge an odd number of times.
   bool crosses(Triangulation::Face_handle face, int k) const {
     if (!face->is_constrained(k)) return false;
     const auto found = odd_.find(between(face->vertex(face->cw(k)), face->vertex(face->ccw(k))));

@@ -10,7 +10,7 @@
 namespace dapple {
 namespace {
 
-/// The positions of a face's corners.
+/// The places of a face's corners.
 Face at_places(const Face& corners, std::span<const std::int32_t> places) {
   const auto place = [&](std::size_t k) { return places[static_cast<std::size_t>(corners[k])]; };
   return {place(0), place(1), place(2)};
@@ -32,7 +32,7 @@ std::uint64_t hash(const Face& sorted) {
   return part(0, 0x9e3779b97f4a7c15u) ^ part(1, 0xc2b2ae3d27d4eb4fu) ^ part(2, 0x165667b19e3779f9u);
 }
 
-/// For each face, the first face with the same corners in the mesh's order.
+/// For each face, the first face in the mesh's order that has the same corners.
 std::vector<std::int32_t> first_equals(const std::vector<Face>& at, const Context* context) {
   std::vector<std::int32_t> result(at.size());
   Buckets faces(at.size());
@@ -90,7 +90,7 @@ std::vector<DoubledFace> find_doubled(std::span<const Face> faces,
     at.push_back(sorted(at_places(face, places)));
   }
   const std::vector<std::int32_t> first = first_equals(at, context);
-  std::map<std::int32_t, std::vector<std::int32_t>> sets;  // of equal faces, by the first
+  std::map<std::int32_t, std::vector<std::int32_t>> sets;  // equal faces, by their first
   for (std::size_t f = 0; f < first.size(); ++f)
     if (first[f] != static_cast<std::int32_t>(f))
       sets.try_emplace(first[f], 1, first[f]).first->second.push_back(static_cast<std::int32_t>(f));

@@ -23,10 +23,10 @@ struct LocalProjection::Hit {
 namespace {
 
 constexpr std::size_t kGrain = 64;
-constexpr double kRounding = 1e-9;  // of a distance ...
-constexpr double kDigits = 1e-14;   // ... and of the coordinates that it comes from
-constexpr double kTurned = 0.5;     // cosine: hits turned farther than this are examined
-constexpr int kStraight = 200;      // faces crossed on the straight way to a hit
+constexpr double kRounding = 1e-9;  // relative rounding error of a distance
+constexpr double kDigits = 1e-14;   // relative rounding error of coordinates
+constexpr double kTurned = 0.5;     // cosine: hits on faces turned farther than this are examined
+constexpr int kStraight = 200;      // most faces crossed on the straight way to a hit
 
 class Walk {
  public:
@@ -38,7 +38,8 @@ class Walk {
   Hit from(OrderedFace start) {
     Hit best = closest(start);
     const bool may_stay = surface_.uniform() || has_density(surface_, start);
-    // The ball touches the edge of the nearest point; rounding must not separate them.
+    // The ball touches the edge that contains the nearest point; the margin prevents that rounding
+    // separates them.
     const double radius = std::sqrt(best.squared_distance) * (1.0 + kRounding) +
                           kDigits * point_.cwiseAbs().maxCoeff();
     const double ball = radius * radius;
@@ -100,7 +101,7 @@ class Walk {
 };
 
 /// The edge of a face (its half-edge) beyond which a point lies, seen along the face's normal; none
-/// if it lies over the face.
+/// if the point is above or below the face.
 std::optional<std::int32_t> edge_toward(const Surface& surface, OrderedFace face,
                                         const Vec3& point) {
   const Face& corners = surface.ordered().corners(face);
@@ -131,7 +132,7 @@ bool leads_to(const Surface& surface, OrderedFace from, OrderedFace hit, const V
   return from == hit;
 }
 
-/// A hit on another component, or on a face turned away.
+/// Whether a hit is on another component or on a face turned away.
 bool on_another_sheet(const Surface& surface, OrderedFace from, OrderedFace hit) {
   return surface.ordered().component(from) != surface.ordered().component(hit) ||
          surface.ordered().geometry(from).normal.dot(surface.ordered().geometry(hit).normal) <

@@ -37,8 +37,8 @@ void add_corners(const Rows<T>& rows, std::size_t polygon, const Face& face,
   }
 }
 
-/// A hash of a position. Sums over polygons differ even for opposite sides of a cube, whose
-/// coordinates differ only in sign.
+/// A hash of a position. The sums of hashes of polygons differ even if coordinates differ only in
+/// sign, as on opposite sides of a cube.
 std::uint64_t mixed(const Vec3& place) {
   std::uint64_t result = 0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -47,7 +47,8 @@ std::uint64_t mixed(const Vec3& place) {
   return result;
 }
 
-/// For each corner of one polygon, the corner of another at the same place; empty unless all match.
+/// For each corner of one polygon, the corner of another one at the same place; empty unless all
+/// corners match.
 std::vector<std::size_t> matched(std::span<const Vec3> there, std::span<const Vec3> here) {
   std::vector<std::size_t> result;
   if (there.size() != here.size()) return result;
@@ -131,8 +132,9 @@ std::vector<Vec3> MeshBuilder::places_of(std::size_t polygon) const {
   return result;
 }
 
-/// For each polygon of more than three corners the first one that may lie on it corner by corner,
-/// or itself. Both are cut alike, because doubled faces count once only if their triangles agree.
+/// For each polygon of more than three corners, the first polygon that may coincide with it corner
+/// by corner, or itself. Both are cut in the same way, because doubled faces are recognized only if
+/// their triangles agree.
 std::vector<std::size_t> MeshBuilder::cut_like() const {
   std::vector<std::size_t> result(ends_.size());
   std::iota(result.begin(), result.end(), std::size_t{0});

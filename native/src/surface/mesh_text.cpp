@@ -10,7 +10,7 @@ constexpr std::string_view kUtf8Mark = "\xef\xbb\xbf";
 
 enum class Wide { kLittle, kBig };
 
-/// Detects UTF-16 by its byte order mark, or by a first character of ASCII.
+/// Detects UTF-16 by its byte order mark, or by an ASCII character at the beginning.
 std::optional<Wide> wide(std::string_view bytes) {
   if (bytes.size() < 2) return std::nullopt;
   const std::string_view start = bytes.substr(0, 2);

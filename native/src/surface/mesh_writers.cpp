@@ -43,7 +43,7 @@ void add_face(std::string& text, const char* before, const Face& face, std::int3
           std::to_string(c + first) + "\n";
 }
 
-/// Little-endian.
+/// Append a value in little-endian order.
 template <typename T>
 void add_bytes(std::string& bytes, T value) {
   std::array<char, sizeof(T)> raw{};

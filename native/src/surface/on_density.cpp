@@ -7,7 +7,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kInward = 1e-6;      // share of the distance to the corner of largest density
+constexpr double kInward = 1e-6;  // share of the distance to the corner with the largest density
 constexpr std::size_t kGrain = 1024;  // points
 
 }  // namespace

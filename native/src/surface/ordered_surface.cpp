@@ -14,10 +14,10 @@
 namespace dapple {
 namespace {
 
-// A face thinner than this against its longest edge has no usable normal; it counts as having no
-// area.
+// A face thinner than this, relative to its longest edge, has no usable normal; its area counts as
+// 0.
 constexpr double kDegenerate = 1e-14;
-// Share of the progress.
+// Shares of the progress.
 constexpr double kPlaced = 0.1, kMeasured = 0.95;
 
 /// Geometry of the triangle x with the density f at its corners.

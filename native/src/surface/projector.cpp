@@ -24,25 +24,26 @@
 namespace dapple {
 namespace {
 
-// Embree sees the surface in single precision, in [-1, 1]: a coordinate is off by at most 2^-24, a
-// distance by a few times that. Everything within this much of the best distance is compared in
-// double precision.
+// Embree stores the surface in single precision, scaled to [-1, 1]. The error of a coordinate is at
+// most 2^-24, that of a distance a few times as much. All faces within this margin of the best
+// distance are compared in double precision.
 constexpr double kMargin = 2e-6;
-// In sizes of the surface, from its center: beyond this distance only the direction matters.
+// Distance from the center, in sizes of the surface, beyond which only the direction of a point
+// matters.
 constexpr double kFar = 1e12;
 constexpr std::size_t kGrain = 65536;  // faces or vertices between two checks
-// A surface whose faces are smaller than so many margins is split where there are gaps: Embree
-// could not tell faces of one part from each other.
+// A surface whose faces are smaller than this number of margins is split at gaps, because Embree
+// could not distinguish faces of one part.
 constexpr double kFine = 50.0;
 constexpr double kGap = 0.25;     // of the length along which it is split
-constexpr std::size_t kFew = 64;  // faces: so few are tested one by one
+constexpr std::size_t kFew = 64;  // faces: up to this number, all are tested one by one
 
-/// \param device null for errors before it existed
+/// \param device null for errors in its creation
 /// \throw Cancelled if Embree was stopped; std::bad_alloc, std::runtime_error for other failures
 void check_error(RTCDevice device) {
   const RTCError error = rtcGetDeviceError(device);
   if (error == RTC_ERROR_CANCELLED) throw Cancelled();
-  // An exception in one of its threads reaches the others as an unknown, cancelled task.
+  // If one of Embree's threads throws, the others report an unknown error.
   if (error == RTC_ERROR_OUT_OF_MEMORY || error == RTC_ERROR_UNKNOWN) throw std::bad_alloc();
   if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree could not take the surface");
 }
@@ -69,7 +70,7 @@ class Handle {
 }  // namespace
 
 struct Projector::Scene {
-  /// A part of the faces, which Embree sees relative to their center.
+  /// A part of the faces, which Embree stores relative to the center of the part.
   struct Part {
     Part(const Scene& scene, std::vector<OrderedFace> faces, const Eigen::AlignedBox3d& box);
 
@@ -80,7 +81,7 @@ struct Projector::Scene {
     void attach_triangles(const Scene& scene, const Context* context);
     void build(const Scene& scene, const Context* context);
 
-    std::vector<OrderedFace> faces;  // that Embree knows, by its index
+    std::vector<OrderedFace> faces;  // by Embree's index
     Handle<RTCScene, rtcReleaseScene> handle;
     Vec3 low, high, center;
     double scale = 0.0;
@@ -105,7 +106,7 @@ struct Projector::Scene {
   Eigen::AlignedBox3d box;
   Vec3 center;
   double scale;
-  double factor;  // a power of two, about 1 / scale: squares of what is scaled by it are safe
+  double factor;  // a power of two, about 1 / scale: squares of scaled lengths do not overflow
 };
 
 namespace {
@@ -138,7 +139,8 @@ struct Query {
     barycentric = weights;
   }
 
-  /// Whether the box of a face, which Embree did not look at by itself, comes within its radius.
+  /// Whether the bounding box of a face is within Embree's radius, for faces that Embree has not
+  /// tested on its own.
   [[nodiscard]] bool has_box_within(float radius, OrderedFace ordered) const {
     const auto [a, b, c] = surface->ordered().corners(ordered);
     const Vec3& first = surface->ordered().vertex(a);
@@ -166,12 +168,12 @@ bool visit(RTCPointQueryFunctionArguments* arguments) noexcept {
   return true;
 }
 
-/// The faces nearer than a radius to one point.
+/// The faces that are nearer to a point than a radius.
 struct Gathering {
   const Surface* surface;
   const std::vector<OrderedFace>* faces;
   Vec3 point;
-  bool far;  // so far away that the distance to all faces is equal
+  bool far;  // so far away that all faces have equal distance
   double radius;
   std::vector<std::int32_t> found;  // the caller's indices
   std::exception_ptr error = nullptr;
@@ -189,7 +191,7 @@ void gather_face(Gathering& query, OrderedFace ordered) {
     query.found.push_back(face);
 }
 
-/// Exceptions must not pass through Embree, which is C.
+/// Exceptions must not pass through Embree, which has a C interface.
 bool gather(RTCPointQueryFunctionArguments* arguments) noexcept {
   Gathering& query = *static_cast<Gathering*>(arguments->userPtr);
   try {
@@ -207,8 +209,8 @@ struct Watch {
   HandOver all = {};
 };
 
-/// Checks for cancellation in any of Embree's threads. Exceptions must not pass through it, not
-/// even std::bad_alloc while creating the one for the cancellation.
+/// Checks for cancellation in any of Embree's threads. No exception may pass through Embree, not
+/// even std::bad_alloc from the creation of the exception that reports the cancellation.
 bool go_on(void* given, double) noexcept {
   Watch& watch = *static_cast<Watch*>(given);
   const HandOver::Part part(watch.all);
@@ -248,7 +250,7 @@ void Projector::Scene::find_size(const Context* context) {
     box.extend(surface.ordered().vertex(static_cast<std::int32_t>(k)));
   }
   center = 0.5 * (box.min() + box.max());
-  scale = 0.5 * box.sizes().maxCoeff();  // > 0: a surface has area
+  scale = 0.5 * box.sizes().maxCoeff();  // positive, because a surface has area
   factor = std::ldexp(1.0, -std::ilogb(scale));
 }
 
@@ -320,7 +322,7 @@ double Projector::Scene::mean_area(std::span<const OrderedFace> some) const {
   return sum / static_cast<double>(some.size());
 }
 
-/// Whether faces of that area are large enough to be distinguished over a length.
+/// Whether faces of that area are large enough to be distinguished in a part of that length.
 bool Projector::Scene::is_fine(double area, double length) const {
   return kFine * kMargin * factor * length <= factor * std::sqrt(area);
 }
@@ -333,7 +335,7 @@ Projector::Scene::Part::Part(const Scene& scene, std::vector<OrderedFace> some,
       high(box.max()),
       center(0.5 * (low + high)),
       scale(0.5 * (high - low).maxCoeff()) {
-  if (!(scale > 0.0)) scale = scene.scale;  // all at one place
+  if (!(scale > 0.0)) scale = scene.scale;  // if all vertices coincide
 }
 
 void Projector::Scene::Part::build(const Scene& scene, const Context* context) {
@@ -348,7 +350,8 @@ void Projector::Scene::Part::build(const Scene& scene, const Context* context) {
   check_error(scene.device.get());
 }
 
-/// Replaces a point too far away for single precision by one in its direction.
+/// Replaces a point that is too far away for single precision by a nearer one in the same
+/// direction.
 Vec3 Projector::Scene::within_reach(const Vec3& p) const {
   const Vec3 way = p - center;
   const double most = way.cwiseAbs().maxCoeff();
@@ -362,7 +365,7 @@ T* buffer_of(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::si
   return static_cast<T*>(memory);
 }
 
-/// The vertices of some faces in order, each once.
+/// The vertices of some faces in order, without duplicates.
 std::vector<std::int32_t> vertices_of(const Surface& surface, std::span<const OrderedFace> faces) {
   std::vector<std::int32_t> result;
   for (const OrderedFace face : faces)
@@ -372,7 +375,7 @@ std::vector<std::int32_t> vertices_of(const Surface& surface, std::span<const Or
   return result;
 }
 
-/// All vertices unchanged, if the part has all faces.
+/// Attaches the triangles of a part. If it has all faces, the vertices are used unchanged.
 void Projector::Scene::Part::attach_triangles(const Scene& scene, const Context* context) {
   const OrderedSurface& mesh = scene.surface.ordered();
   const bool whole = faces.size() == scene.faces.size();
@@ -423,7 +426,8 @@ void look_in(const Part& part, Query& query) {
   rtcPointQuery(part.handle.get(), &embree, &context, visit, &query);
 }
 
-/// Searches the part with the nearest box first, then others that may contain nearer faces.
+/// Searches the part with the nearest bounding box first, then others that may contain nearer
+/// faces.
 template <typename Parts>
 void look_everywhere(const Parts& parts, Query& query) {
   const auto nearer = [&](const auto& a, const auto& b) {
@@ -439,7 +443,7 @@ void look_everywhere(const Parts& parts, Query& query) {
       look_in(**part, query);
 }
 
-/// The search may begin with any face that Embree knows.
+/// The search may begin with any face in Embree's scene.
 template <typename Scene>
 OrderedFace first_guess(const Scene& scene, std::span<const std::int32_t> hints, std::size_t k) {
   if (hints.empty()) return scene.faces[0];
@@ -527,7 +531,7 @@ struct Hit {
   OrderedFace face;
 };
 
-/// Whether a ray hits the box of a part, within a margin.
+/// Whether a ray hits the bounding box of a part, within a margin.
 template <typename Part>
 bool meets_box(const Part& part, const Ray& ray, double length) {
   double first = 0.0, last = length;

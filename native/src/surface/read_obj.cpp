@@ -20,14 +20,15 @@ bool next_statement(Lines& lines) {
   return true;
 }
 
-/// From 0 on; they count from 1, or back from the last.
+/// The index counted from 0. In the file, indices count from 1, or negative ones back from the last
+/// element.
 std::int64_t obj_index(const Lines& lines, std::string_view word, std::size_t count) {
   const auto index = lines.number_in<std::int64_t>(word, "an index");
   if (index == 0) lines.refuse("has the index 0, and OBJ counts from 1");
   return index > 0 ? index - 1 : static_cast<std::int64_t>(count) + index;
 }
 
-/// Takes the part of v/vt/vn up to the next slash.
+/// Removes and returns the part of v/vt/vn up to the next slash.
 std::string_view next_part(std::string_view& word) {
   const std::size_t end = std::min(word.find('/'), word.size());
   const std::string_view part = word.substr(0, end);
@@ -60,7 +61,7 @@ class ObjReader {
     if (kind == "f" || kind == "fo") read_face();
   }
 
-  /// Six numbers are a place and a color.
+  /// Six numbers are a position and a color.
   void read_vertex() {
     const auto [x, y, z] = lines_.numbers<3>(1, "coordinate");
     mesh_.vertices.emplace_back(x, y, z);

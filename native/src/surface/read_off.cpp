@@ -7,7 +7,7 @@ namespace {
 
 std::string text(std::size_t k) { return std::to_string(k); }
 
-/// The first word of a file: letters tell which data follow the coordinates of a vertex.
+/// The first word of a file. Its letters say which data follow the coordinates of a vertex.
 struct OffHeader {
   bool uv = false, colors = false, normals = false;
   std::size_t vertices = 0, polygons = 0;
@@ -28,7 +28,7 @@ bool is_count(std::string_view word) {
   throw ReadError("is not an OFF text file: it does not begin with OFF");
 }
 
-/// The word OFF, which some programs omit and others join with the first count.
+/// Takes the word OFF, which some programs omit and others join with the first count.
 void take_keyword(Lines& lines, OffHeader& header) {
   std::string_view& word = lines.words[0];
   if (is_count(word)) return;
@@ -52,7 +52,7 @@ OffHeader read_off_header(Lines& lines) {
   return header;
 }
 
-/// Of three or four words.
+/// The color in three or four words.
 Color color_in(const Lines& lines, std::size_t first, std::size_t count) {
   Color color = {0.0f, 0.0f, 0.0f, kNoOpacity};
   for (std::size_t k = 0; k < count; ++k)
@@ -78,7 +78,7 @@ void read_vertex(const Lines& lines, const OffHeader& header, MeshBuilder& mesh)
     mesh.colors.values.push_back(color_in(lines, first, std::min<std::size_t>(last - first, 4)));
 }
 
-/// Values count only if every vertex has some.
+/// Values are kept only if every vertex has some.
 template <typename T>
 void keep_at_vertices(Rows<T>& rows, std::size_t vertices) {
   if (!rows.values.empty() && rows.values.size() == vertices) rows.owner = Owner::kVertices;

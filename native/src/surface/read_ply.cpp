@@ -37,7 +37,7 @@ std::size_t size_of(Number kind) {
 struct Property {
   std::string name;
   Number kind;
-  std::optional<Number> length = {};  // of a list: the type of its length
+  std::optional<Number> length = {};  // type of the length of a list
 };
 
 struct Element {
@@ -87,7 +87,7 @@ Form form_named(const Lines& lines, std::string_view name) {
   refuse_header(lines);
 }
 
-/// A line of the header that is not a comment.
+/// Adds a line of the header that is not a comment.
 void add_line(const Lines& lines, PlyHeader& header) {
   const auto& words = lines.words;
   if (words[0] == "format" && words.size() == 3) {
@@ -196,7 +196,7 @@ class PlyBody {
   Form form_;
   std::string_view left_;
   Lines lines_;
-  std::size_t next_ = 0;  // word of the present line
+  std::size_t next_ = 0;  // word of the current line
 };
 
 /// The meaning of a number of a vertex or face.
@@ -260,7 +260,7 @@ class RowReader {
     }
   }
 
-  /// Whether all of its numbers exist.
+  /// Whether all numbers of this meaning exist.
   [[nodiscard]] bool has(Use::Kind kind) const {
     if (kind == Use::kOther) return true;
     return (axes_[kind] & (kind == Use::kUv ? 3u : 7u)) == (kind == Use::kUv ? 3u : 7u);
@@ -376,7 +376,7 @@ class PlyReader {
     keep(row);
   }
 
-  /// Texture coordinates of the corners of a face, if it has some.
+  /// Adds the texture coordinates of the corners of a face, if it has some.
   void add_wedge() {
     const bool fits = !wedge_.empty() && wedge_.size() == 2 * corners_.size();
     some_wedge_ = some_wedge_ || fits;
@@ -398,7 +398,8 @@ class PlyReader {
     }
   }
 
-  /// Triangles of each three vertices in a row, every second one reversed; -1 starts a new strip.
+  /// Adds a triangle for each three consecutive vertices, every second one reversed; -1 starts a
+  /// new strip.
   void add_strip() {
     std::size_t start = 0;
     for (std::size_t k = 0; k < corners_.size(); ++k) {
@@ -489,7 +490,7 @@ std::vector<MeshAttribute> columns_of(std::string_view bytes) {
   throw ReadError("has no element 'vertex'");
 }
 
-/// The data after the header of a binary file.
+/// The position of the data after the header of a binary file.
 std::size_t end_of_header(std::string_view bytes) {
   constexpr std::string_view kEnd = "\rend_header\r";
   const std::size_t found = bytes.find(kEnd);

@@ -31,7 +31,7 @@ struct PlaceHash {
   }
 };
 
-/// Gives each place one vertex.
+/// Creates one vertex for each position.
 class Places {
  public:
   explicit Places(std::vector<Vec3>& vertices) : vertices_(vertices) {}
@@ -63,14 +63,14 @@ bool exact(std::string_view bytes) {
   return bytes.size() >= kHeader && bytes.size() == kHeader + kTriangle * promised(bytes);
 }
 
-/// Whether a text begins as STL does.
+/// Whether a text begins with the keyword of STL.
 bool begins_solid(std::string_view text) {
   text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
   return same_word(text.substr(0, 5), "solid");
 }
 
 /// The number of triangles of a binary file. Programs that write triangles as a stream leave a
-/// wrong count, so the size decides if it fits whole triangles.
+/// wrong count, so the file's size determines the number if it fits whole triangles.
 std::size_t held(std::string_view bytes) {
   if (bytes.size() < kHeader)
     throw ReadError(
@@ -79,7 +79,7 @@ std::size_t held(std::string_view bytes) {
   const std::size_t count = promised(bytes), there = (bytes.size() - kHeader) / kTriangle;
   const bool whole = (bytes.size() - kHeader) % kTriangle == 0;
   if (whole && (there > count || count == kUnknown)) return there;
-  if (there == count) return count;  // and less than a triangle behind them
+  if (there == count) return count;  // followed by less than one triangle
   throw ReadError("is not an STL file, or is cut off: it declares " + text(count) +
                   " triangles and has room for " + text(there));
 }
@@ -124,7 +124,7 @@ void read_text(std::string_view bytes, Places& places, MeshBuilder& mesh) {
   if (!corners.empty()) throw ReadError("ends within a loop");
 }
 
-/// Whether it is text; a binary header may also begin with 'solid'.
+/// Whether the file is a text file; a binary header may also begin with 'solid'.
 bool is_text(std::string_view bytes) {
   return begins_solid(bytes) && bytes.substr(0, 400).find('\0') == bytes.npos;
 }

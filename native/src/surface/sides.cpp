@@ -18,20 +18,21 @@
 namespace dapple {
 namespace {
 
-constexpr double kThin = 0.5;       // spacings: cells hardly reach through thicker walls
+constexpr double kThin = 0.5;       // spacings: cells rarely reach through thicker walls
 constexpr double kOpposite = -0.8;  // cosine between the normals of a wall's two sides
 constexpr double kWide = 0.5;       // spacings: narrower bodies are wires and ribbons
 constexpr double kNarrowRim = 0.3;  // spacings: too narrow for sites of its own
-constexpr double kRim = 1.0;        // spacings: wider is no rim
+constexpr double kRim = 1.0;        // spacings: wider parts are not rims
 constexpr double kFewest = 10.0;  // cells on a side: fewer are less even than cells around the rim
-constexpr double kFolded = 0.05;  // share of a side that may lie opposite itself
-// To find out whether there may be walls, points are laid out, this many in each cell. On the two
-// sides of a wall some are within so many spacings of each other, measured along it.
+constexpr double kFolded = 0.05;  // largest share of a side that may lie opposite the side itself
+// To find out whether there may be walls, this many points per cell are distributed. On the two
+// sides of a wall, some points are within this many spacings of each other, measured along the
+// wall.
 constexpr double kPoints = 1.5, kAside = 0.8;
-constexpr double kMostPoints = 0x1p20;  // where there would be more, they are farther apart
+constexpr double kMostPoints = 0x1p20;  // a larger number is reduced to this, with larger distances
 constexpr std::int32_t kNone = -1;
 
-/// Points at equal distances along the faces laid end to end, by area.
+/// Points that divide the faces, in their order, into parts of equal area.
 struct Laid {
   std::vector<Vec3> positions, normals;
   std::vector<std::int32_t> components;
@@ -44,7 +45,7 @@ Laid lay_points(const Surface& surface, double count) {
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
     const FaceGeometry& face = surface.ordered().geometry(nth_face(f));
     for (sum += face.moments.area; next < sum; next += step) {
-      // Where several are on one face they are spread over it (Roberts' sequence).
+      // Several points on one face are spread over it (Roberts' sequence).
       along = std::fmod(along + 0.7548776662466927, 1.0);
       const double root = std::sqrt(std::fmod(0.5698402909980532 * (next / step), 1.0));
       const Vec3 weights(1.0 - root, root * (1.0 - along), root * along);
@@ -58,8 +59,8 @@ Laid lay_points(const Surface& surface, double count) {
   return result;
 }
 
-/// Whether any point has a point of opposite direction behind it. Quick, and never false if a wall
-/// has sides of several cells.
+/// Whether any point has a point with the opposite normal behind it. The test is fast and never
+/// false if a wall has sides of several cells.
 bool may_have_walls(const Surface& surface, double spacing, double cells) {
   const double count = std::min(kPoints * cells, kMostPoints);
   const Laid laid = lay_points(surface, count);
@@ -89,7 +90,7 @@ class Sides {
   Sides(const Surface& surface, double spacing, Context* context)
       : surface_(surface), mesh_(surface.ordered()), spacing_(spacing), context_(context) {}
 
-  /// Per ordered face its component; empty if those of the surface stay.
+  /// Per ordered face, its component; empty if the surface's components do not change.
   std::vector<std::int32_t> components(double cells) {
     find_walls();
     label_walls();
@@ -99,7 +100,7 @@ class Sides {
     return count_of(result) > mesh_.components() ? result : std::vector<std::int32_t>{};
   }
 
-  /// Per ordered face, whether no site should begin there: on the narrow rim of a side.
+  /// Per ordered face, whether it is on the narrow rim of a side, where no site should start.
   [[nodiscard]] std::vector<bool> rims() const {
     std::vector<bool> result(label_.size());
     for (std::size_t f = 0; f < result.size(); ++f) result[f] = label_[f] != kNone && narrow_[f];
@@ -113,7 +114,7 @@ class Sides {
     return 1 + *std::max_element(components.begin(), components.end());
   }
 
-  /// The face behind each.
+  /// Find the face behind each face.
   void find_walls() {
     const Projector projector(surface_, false, context_);
     std::vector<Ray> rays(surface_.face_count());
@@ -153,7 +154,7 @@ class Sides {
     return sets;
   }
 
-  /// Connected parts of walls, without turning back at a sharp rim.
+  /// Label the connected parts of walls; a sharp rim separates parts.
   void label_walls() {
     Sets sets = joined([this](std::size_t f, std::size_t other) {
       return behind_[f] != kNone && behind_[other] != kNone &&
@@ -176,7 +177,7 @@ class Sides {
         .norm();
   }
 
-  /// By label.
+  /// The measurements of the parts, by label.
   [[nodiscard]] std::vector<Part> measure(const std::vector<std::int32_t>& label) const {
     std::vector<Part> parts(label.size());
     for (std::size_t f = 0; f < label.size(); ++f) {
@@ -253,7 +254,7 @@ class Sides {
   }
 
   /// Components in which opposite sides are not connected. A component is unchanged if its sides
-  /// are connected over other parts than walls, or if a side would have few cells.
+  /// are connected over parts that are not walls, or if a side would have too few cells.
   std::vector<std::int32_t> divided(double cells) {
     const std::set<Pair> pairs = opposite_pairs();
     const auto parts = [&](std::size_t f, std::size_t other) {
@@ -276,13 +277,13 @@ class Sides {
     return result;
   }
 
-  /// Per component of the surface, whether it stays unsplit.
+  /// Per component of the surface, whether it is not split.
   std::vector<bool> undivided(Sets& sets, const std::set<Pair>& pairs, double cells) {
     std::vector<bool> whole(static_cast<std::size_t>(mesh_.components()), false);
     const auto body = [&](std::int32_t f) {
       return static_cast<std::size_t>(mesh_.component(nth_face(static_cast<std::size_t>(f))));
     };
-    for (const auto& [a, b] : pairs)  // a label is one of the faces that have it
+    for (const auto& [a, b] : pairs)  // a label is the index of one of its faces
       if (sets.find(a) == sets.find(b)) whole[body(a)] = true;
     std::vector<double> capacities(label_.size(), 0.0);  // of sets
     std::vector<int> parts(whole.size(), 0);             // of bodies
@@ -306,10 +307,10 @@ class Sides {
   Context* context_;
   std::vector<std::int32_t> behind_;  // per ordered face
   std::vector<std::int32_t> label_;   // per ordered face: the first face of its side
-  std::vector<bool> narrow_;          // per ordered face, whether it is of a narrow rim
+  std::vector<bool> narrow_;          // per ordered face, whether it belongs to a narrow rim
 };
 
-/// The surface in these components.
+/// The surface with these components.
 Surface divide(const Surface& surface, const std::vector<std::int32_t>& components,
                Context* context) {
   const OrderedSurface& mesh = surface.ordered();

@@ -16,7 +16,7 @@
 namespace dapple {
 namespace {
 
-/// Of faces that have an area.
+/// The largest density on faces that have an area.
 double largest_density(const OrderedSurface& surface) {
   double largest = 0.0;
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
@@ -27,7 +27,7 @@ double largest_density(const OrderedSurface& surface) {
   return largest;
 }
 
-constexpr std::size_t kGrain = 4096;  // faces a chunk
+constexpr std::size_t kGrain = 4096;  // faces per chunk
 constexpr double kConnected = 0.85;   // share of the progress before the faces are measured
 
 void check_sizes(std::size_t vertices, std::size_t faces) {
@@ -101,20 +101,20 @@ std::shared_ptr<const OrderedSurface> shaded_by_angle(const OrderedSurface& plai
   return std::make_shared<const OrderedSurface>(plain.shaded(shading_by_angle(plain, degrees)));
 }
 
-/// Normalizes; zero stays zero.
+/// Normalizes vectors; zero vectors are unchanged.
 std::vector<Vec3> unit_normals(std::span<const Vec3> corners) {
   std::vector<Vec3> result(corners.begin(), corners.end());
   for_each_vector(result.size(), [&](std::size_t k) { result[k].stableNormalize(); });
   return result;
 }
 
-/// The direction of a sum of normals on a face. Where they cancel (a sheet folded flat) the face's
-/// own is the best there is; a face without area has none.
+/// The direction of a sum of normals on a face. If they cancel, as on a sheet folded flat, the
+/// face's own normal is used; for a face without area, the z axis.
 Vec3 direction_of(const Vec3& sum, const Vec3& own) {
   return sum.norm() > 1e-6 ? sum.normalized() : own.isZero(0.0) ? Vec3(0, 0, 1) : own;
 }
 
-/// Ordered faces of ordered vertices, in the caller's order of both.
+/// Ordered faces of ordered vertices, converted to the caller's order of both.
 template <typename Corners>
 std::vector<Face> original_faces(const Connectivity& mesh, const Corners& corners_of) {
   std::vector<Face> result(mesh.faces.size());

@@ -9,9 +9,9 @@
 namespace dapple {
 namespace {
 
-/// Count edges by how many faces meet at them; each is looked at from its lowest half-edge. True if
-/// no two faces are turned against each other, that is, run along their common edge in the same
-/// direction.
+/// Count edges by the number of faces that meet at them; each edge is counted at its lowest
+/// half-edge. Returns whether all faces are oriented consistently, that is, no two faces run along
+/// their common edge in the same direction.
 bool count_edges(const Surface& surface, Topology& result) {
   const auto start = [&](std::int32_t h) {
     return surface.ordered().welded_corners(face_of(h))[static_cast<std::size_t>(h % 3)];
@@ -33,7 +33,8 @@ bool count_edges(const Surface& surface, Topology& result) {
   return consistent;
 }
 
-/// False if a face does not fit: a non-manifold edge or vertex, or opposite orientations.
+/// Returns false if a face cannot be added because of a non-manifold edge or vertex or opposite
+/// orientations.
 bool build(const Surface& surface, HalfEdgeMesh& mesh) {
   std::vector<HalfEdgeMesh::VertexHandle> handles(surface.vertex_count());
   const auto handle = [&](std::int32_t v) {

@@ -11,10 +11,10 @@
 namespace dapple {
 namespace {
 
-constexpr double kFarthestUv = 1e6;     // larger values lose the digits of pixels
-constexpr double kSumTolerance = 1e-4;  // single-precision storage stays far below this
-constexpr double kElsewhere = 1e-6;     // of the surface's size: farther is no rounding ...
-constexpr double kCoordinates = 1e-12;  // ... nor is this much of the coordinates
+constexpr double kFarthestUv = 1e6;     // larger values cannot resolve pixels
+constexpr double kSumTolerance = 1e-4;  // errors of single-precision storage are far smaller
+constexpr double kElsewhere = 1e-6;     // of the surface's size: more is not a rounding error
+constexpr double kCoordinates = 1e-12;  // of the coordinates: likewise
 
 void check_barycentric(const std::string& name, std::span<const Vec3> rows) {
   check_finite(name.c_str(), rows);

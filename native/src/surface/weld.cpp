@@ -19,9 +19,9 @@ namespace dapple {
 namespace {
 
 constexpr double kTouching = 1e-3;  // radians between faces that lie on each other
-constexpr double kFlat = 1e-9;      // height of a face over its side: it has no angle
+constexpr double kFlat = 1e-9;      // height of a face over its side, below which it has no angle
 
-// Share of the progress.
+// Shares of the progress.
 constexpr double kBordersSettled = 0.35, kSettled = 0.4, kSidesFound = 0.7;
 
 std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
@@ -30,9 +30,9 @@ std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
 struct Side {
   std::int32_t low, high;  // places
   std::int32_t half_edge;
-  bool forward;        // from the lower place to the higher
+  bool forward;        // whether it runs from the lower place to the higher one
   bool border;         // no other face shares its vertices
-  double angle = 0.0;  // of its face about the edge; not a number for a face without area
+  double angle = 0.0;  // of its face about the edge; NaN for a face without area
   auto operator<=>(const Side& other) const {
     return std::tie(low, high, half_edge) <=> std::tie(other.low, other.high, other.half_edge);
   }
@@ -102,7 +102,8 @@ class Welder {
     return result;
   }
 
-  /// The lowest vertex at the place of each; only places with a vertex on a border matter.
+  /// For each vertex, find the lowest vertex at the same place; only places with a vertex on a
+  /// border matter.
   void find_places(double tolerance) {
     Places places(vertices_, tolerance);
     places_.resize(vertices_.size());
@@ -123,7 +124,8 @@ class Welder {
     settle(false, kBordersSettled, kSettled);
   }
 
-  /// The half-edges of edges between places where a border edge has company, sorted by edge.
+  /// The half-edges between two places if one of them is on a border and there are several, sorted
+  /// by edge.
   [[nodiscard]] std::vector<Side> crowded_sides() const {
     std::vector<Side> sides;
     if (places_.empty()) return sides;
@@ -151,7 +153,8 @@ class Welder {
       connect_all(sides);
   }
 
-  /// The angles of the faces around their edge, from the first that has an area.
+  /// Measure the angles of the faces around their edge, starting from the first face that has an
+  /// area.
   void measure_angles(std::span<Side> sides) const {
     const Vec3& origin = vertices_[as_size(sides[0].low)];
     const Vec3 along = (vertices_[as_size(sides[0].high)] - origin).normalized();
@@ -167,8 +170,9 @@ class Welder {
     }
   }
 
-  /// Pair the sides that bound the same material: each wedge of it lies between two faces that
-  /// turn their backs to it. Returns false and changes nothing if the faces are oriented otherwise.
+  /// Pair the sides that bound the same material: each wedge of material lies between two faces
+  /// whose normals point away from it. Returns false and changes nothing if the faces are oriented
+  /// differently.
   bool connect_walls(std::span<const Side> sides) {
     std::vector<Side> around = in_turn(sides);
     const std::optional<std::size_t> first = first_wedge(around);
@@ -182,7 +186,7 @@ class Welder {
     return true;
   }
 
-  /// Sorted by angle; of faces that lie on each other those first that end a wedge.
+  /// The sides sorted by angle. Of faces that lie on each other, those that end a wedge come first.
   static std::vector<Side> in_turn(std::span<const Side> sides) {
     std::vector<Side> around(sides.begin(), sides.end());
     for (Side& side : around)
@@ -198,7 +202,8 @@ class Welder {
     return around;
   }
 
-  /// The start for which no wedge ends before it begins; none if the ends do not match.
+  /// The start for which no wedge ends before it begins; none if the numbers of ends and beginnings
+  /// differ.
   static std::optional<std::size_t> first_wedge(std::span<const Side> around) {
     std::ptrdiff_t depth = 0, least = 0;
     std::size_t first = 0;
@@ -218,7 +223,7 @@ class Welder {
     return turn <= kTouching || turn >= 2.0 * std::numbers::pi - kTouching;
   }
 
-  /// Make one ring of all sides but the borders of faces that lie on another.
+  /// Make one ring of all sides except borders of faces that lie on another face.
   void connect_all(std::span<const Side> sides) {
     std::vector<Side> ring;
     for (const Side& side : sides)
@@ -256,9 +261,9 @@ class Welder {
   const std::vector<bool>& left_out_;  // per face, or empty
   std::vector<std::int32_t>& next_around_;
   Context* context_;
-  std::vector<std::int32_t> welded_;  // toward the lowest vertex of each set
+  std::vector<std::int32_t> welded_;  // parent links toward the lowest vertex of each set
   std::vector<bool> border_;          // per vertex
-  std::vector<std::int32_t> places_;  // per vertex; empty without any border
+  std::vector<std::int32_t> places_;  // per vertex; empty if there is no border
 };
 
 }  // namespace
