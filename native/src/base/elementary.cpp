@@ -19,7 +19,7 @@ Direction small_direction(double x) {
   return {1.0 - cosine, x * (1.0 - sine)};
 }
 
-/// atan on [0, 1]: the angle is halved twice, then Taylor's series, cut below 1e-18.
+/// atan on [0, 1] by halving the angle twice and a Taylor series, cut off below 1e-18.
 double small_angle(double tangent) {
   for (int half = 0; half < 2; ++half) tangent /= 1.0 + std::sqrt(1.0 + tangent * tangent);
   const double square = tangent * tangent;
@@ -28,11 +28,11 @@ double small_angle(double tangent) {
   return 4.0 * tangent * sum;
 }
 
-// ln 2 in two parts: a whole multiple of the first, up to 2^11, has no rounding.
+// ln 2 in two parts: integer multiples of the first one, up to 2^11, are exact.
 constexpr double kLogarithmOf2 = 0x1.62e42fefap-1;  // NOLINT(modernize-use-std-numbers): a part
 constexpr double kLogarithmOf2Rest = 0x1.cf79abc9e3b3ap-40;
 
-/// e^x on [-ln 2 / 2, ln 2 / 2]: Taylor's series, cut below 1e-18.
+/// e^x on [-ln 2 / 2, ln 2 / 2] by a Taylor series, cut off below 1e-18.
 double small_exponential(double x) {
   double sum = 1.0;
   for (int k = 16; k >= 1; --k) sum = 1.0 + sum * x / k;
@@ -83,7 +83,7 @@ double logarithm(double x) {
     part *= 2.0;
     --twos;
   }
-  const double s = (part - 1.0) / (part + 1.0);  // ln part = 2 artanh s; cut below 1e-18
+  const double s = (part - 1.0) / (part + 1.0);  // ln part = 2 artanh s; cut off below 1e-18
   double sum = 0.0;
   for (int k = 23; k >= 1; k -= 2) sum = 1.0 / k + s * s * sum;
   return twos * kLogarithmOf2 + (twos * kLogarithmOf2Rest + 2.0 * s * sum);

@@ -10,7 +10,7 @@
 namespace dapple {
 namespace {
 
-constexpr int kBits = 21;  // per axis, 63 in all
+constexpr int kBits = 21;  // per axis, 63 in total
 constexpr std::size_t kGrain = 4096;
 
 /// Put two zero bits between the 21 bits of v.

@@ -24,7 +24,7 @@ constexpr std::size_t kBlock = 1 << 20;  // bytes between two checks
   throw FileError(path.string() + " could not be " + what + reason);
 }
 
-/// Closes the file before checking it, because much is written only then.
+/// Closes the file before checking for errors, because much of it is written only then.
 bool put(const fs::path& path, const std::string& content) {
   errno = 0;
   std::ofstream file(path, std::ios::binary);
@@ -46,7 +46,7 @@ fs::path beside(const fs::path& path) {
   return path.parent_path() / name;
 }
 
-/// A file beside the one that it will replace; removed unless it does.
+/// A file beside the one that it will replace. It is removed unless it replaces that file.
 class Part {
  public:
   explicit Part(const fs::path& target) : path_(beside(target)) {}

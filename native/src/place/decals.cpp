@@ -14,9 +14,9 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 4096;      // texels a chunk
+constexpr std::size_t kGrain = 4096;      // texels per chunk
 constexpr double kAlongTheNormal = 1e-9;  // relative length of the tangential part of a tangent
-constexpr double kCorner = std::numbers::sqrt2;  // of a square decal, in its radius
+constexpr double kCorner = std::numbers::sqrt2;  // distance of a square decal's corner, in radii
 
 /// The local frames of the samples that orient their decals.
 class Decals {
@@ -38,7 +38,7 @@ class Decals {
     Vec2 place = Vec2::Zero();
   };
 
-  /// The decal on a point of the surface with that normal.
+  /// The decal at a point of the surface with that normal.
   [[nodiscard]] Hit at(const Vec3& point, const Vec3& normal, std::vector<Neighbor>& found) const {
     Hit best;
     double least = std::numeric_limits<double>::infinity();
@@ -57,7 +57,7 @@ class Decals {
 
  private:
   /// Whether a point is on decal k, and its coordinates there.
-  /// \param distance from its center, relative to its radius
+  /// \param distance the distance from the decal's center, relative to its radius
   [[nodiscard]] bool reaches(std::size_t k, const Vec3& point, double distance, Vec2& place) const {
     const Vec3& normal = samples_.normals[k];
     const Vec3 way = (point - samples_.positions[k]) / radii_[k];

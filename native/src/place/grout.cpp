@@ -6,7 +6,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kBeyond = 1e-9;  // of the distance to a neighbor: rounding of the cell's corners
+constexpr double kBeyond = 1e-9;  // of the distance to a neighbor: rounding error of corners
 
 std::vector<std::int32_t> neighbors_of(std::span<const CellPolygon> cell) {
   std::vector<std::int32_t> result;

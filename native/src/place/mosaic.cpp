@@ -17,10 +17,10 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 32;   // cells a chunk
-constexpr double kRounding = 1e-9;   // spacings: no shorter edge means anything
-constexpr double kSamePlace = 1e-6;  // spacings: copies of one point in two tiles are closer
-// Progress when large faces are cut, the cells known and the tiles made.
+constexpr std::size_t kGrain = 32;   // cells per chunk
+constexpr double kRounding = 1e-9;   // spacings: shorter edges are rounding errors
+constexpr double kSamePlace = 1e-6;  // spacings: copies of a point in two tiles are closer
+// Shares of the progress when large faces are cut, the cells are known, and the tiles are made.
 constexpr double kCut = 0.15, kCellsShare = 0.4;
 constexpr double kMade = 0.95;
 
@@ -55,7 +55,7 @@ class Tiler {
   /// Whether tiles touch, except where insets separate them.
   [[nodiscard]] bool touch() const { return options_.grout == 0.0; }
 
-  /// The part of a cell inside the grout.
+  /// The part of a cell that is not covered by grout.
   [[nodiscard]] JoinedPatch join(std::size_t site, std::span<const CellPolygon> cell,
                                  const EdgePoints& others) const {
     const double inset = options_.insets.empty() ? 0.0 : options_.insets[site];
@@ -63,7 +63,8 @@ class Tiler {
                           others);
   }
 
-  /// Edges of the mesh along which touching tiles can have borders; otherwise none.
+  /// Points on edges of the mesh along which touching tiles can have borders; empty if tiles do not
+  /// touch.
   [[nodiscard]] EdgePoints edge_points(std::span<const CellPolygon> pieces) const {
     return touch() ? builder_.edge_points(pieces) : EdgePoints();
   }
@@ -72,7 +73,7 @@ class Tiler {
     return without_short_edges(std::move(joined), shortest_);
   }
 
-  /// The same for all tiles if they touch each other.
+  /// Clean the patches, all together if tiles touch each other.
   [[nodiscard]] std::vector<Patch> cleaned(std::vector<JoinedPatch> joined) const {
     return without_short_edges(std::move(joined), shortest_, std::min(shortest_, rounding_));
   }
@@ -103,7 +104,7 @@ class Tiler {
   double rounding_, shortest_;
 };
 
-/// Where the pieces of each site begin, and their number.
+/// The index of each site's first piece, and the number of pieces.
 std::vector<std::size_t> rows_of(std::span<const CellPolygon> pieces, std::size_t sites) {
   std::vector<std::size_t> result(sites + 1, 0);
   for (const CellPolygon& piece : pieces) ++result[static_cast<std::size_t>(piece.site) + 1];
@@ -132,7 +133,8 @@ void name_parents(const CutSurface& cut, std::span<MadeTile> tiles) {
     for (PatchPolygon& polygon : made.mesh.patch.polygons) polygon.face = cut.parent(polygon.face);
 }
 
-/// The points of touching tiles: no corner of one lies inside an edge of another.
+/// The points of touching tiles. They are shared so that no corner of one tile lies inside an edge
+/// of another.
 class Corners {
  public:
   explicit Corners(std::span<const Patch> tiles) {
@@ -154,7 +156,7 @@ class Corners {
   std::vector<Key> points_;
 };
 
-/// Give touching tiles the same points where they touch.
+/// Give touching tiles the same points along their common edges.
 void share_corners(std::span<const Patch> patches, std::span<Patch> flat) {
   const Corners corners(flat);
   parallel_chunks(flat.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -192,7 +194,7 @@ std::vector<MadeTile> made_of(const Tiler& tiler, std::span<const CellPolygon> p
   parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       result[k] = tiler.make(cell(k), patches[k], flat[k]);
-      patches[k] = flat[k] = {};  // here, as all of them at once take a tenth of a second
+      patches[k] = flat[k] = {};  // here, because freeing all at once takes 0.1 s
     }
   });
   return result;

@@ -62,7 +62,7 @@ class Joiner {
   [[nodiscard]] std::int32_t mesh_vertex(std::int32_t face, std::int32_t corner) const {
     return faces_[static_cast<std::size_t>(face)][static_cast<std::size_t>(corner)];
   }
-  /// The edge of the mesh for a negative label.
+  /// The edge of the mesh that a negative label represents.
   [[nodiscard]] MeshEdge mesh_edge(std::int32_t face, std::int32_t label) const {
     const std::int32_t from = -1 - label;
     const std::int32_t a = mesh_vertex(face, from);
@@ -80,7 +80,7 @@ class Joiner {
                    piece.points[k]);
   }
 
-  /// The points of other pieces on edges of the mesh along which pieces run.
+  /// Add the points of other pieces on edges of the mesh along which pieces run.
   void add_others(std::span<const CellPolygon> pieces, const EdgePoints& others) {
     std::set<MeshEdge> done;
     for (const CellPolygon& piece : pieces)
@@ -178,7 +178,8 @@ std::vector<ShortEdge> short_edges(const Patch& patch, double shortest) {
   return result;
 }
 
-/// The vertex into which each collapses; shortest edges first, never into a collapsed one.
+/// The vertex into which each vertex collapses. The shortest edges collapse first, and never into a
+/// collapsed vertex.
 std::vector<std::int32_t> goals(const Patch& patch, std::span<const On> kinds,
                                 std::span<const ShortEdge> edges) {
   std::vector<std::int32_t> goal(patch.points.size());
@@ -197,7 +198,8 @@ std::vector<std::int32_t> goals(const Patch& patch, std::span<const On> kinds,
   return goal;
 }
 
-/// The loops without a repeated vertex that a polygon falls into; those of two corners vanish.
+/// Add the loops without repeated vertices into which a polygon splits; loops of two corners are
+/// dropped.
 void add_simple_loops(std::span<const std::int32_t> corners, std::int32_t face,
                       std::vector<PatchPolygon>& result) {
   std::vector<std::int32_t> open;
@@ -217,7 +219,7 @@ void keep_simple_loops(Patch& patch) {
   patch.polygons = std::move(polygons);
 }
 
-/// \return the point into which each has collapsed
+/// \return the point into which each point has collapsed
 std::vector<std::int32_t> remove_short_edges(Patch& patch, std::span<const On> kinds,
                                              double shortest) {
   std::vector<std::int32_t> result(patch.points.size());
@@ -273,7 +275,7 @@ class Union {
  private:
   void add_points(std::span<const JoinedPatch> parts, double rounding) {
     Places found(points_, rounding);
-    std::vector<std::int32_t> numbers(points_.size(), -1);  // of what was added first there
+    std::vector<std::int32_t> numbers(points_.size(), -1);  // of the first point at the place
     for (const JoinedPatch& part : parts)
       for (const On kind : part.kinds) {
         const std::size_t k = places_.size();
@@ -290,7 +292,8 @@ class Union {
         settle(static_cast<std::size_t>(places_.back()), kind, points_[k]);
       }
   }
-  /// A priority that decides which of two points stays, independent of the order of the parts.
+  /// Number the points by position. The numbers decide which of two points stays, independent of
+  /// the order of the parts.
   void sort_places() {
     std::vector<std::size_t> order(whole_.points.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -310,7 +313,7 @@ class Union {
     whole_.points = std::move(points);
     kinds_ = std::move(kinds);
   }
-  /// The position of the point with higher priority.
+  /// Use the position of the point with the higher priority.
   void settle(std::size_t place, On kind, const Vec3& point) {
     if (kind >= kinds_[place]) return;
     kinds_[place] = kind;
@@ -341,9 +344,9 @@ class Union {
     leader[static_cast<std::size_t>(high)] = low;
   }
 
-  std::vector<std::size_t> starts_;   // per part, of its points
+  std::vector<std::size_t> starts_;   // per part, the index of its first point
   std::vector<Vec3> points_;          // of all parts
-  std::vector<std::int32_t> places_;  // per such point, the one of the whole
+  std::vector<std::int32_t> places_;  // per point of a part, its index in the whole
   Patch whole_;
   std::vector<On> kinds_;  // per point of the whole
 };
@@ -358,7 +361,7 @@ JoinedPatch PatchBuilder::build(std::span<const CellPolygon> pieces,
                                 const EdgePoints& others) const {
   Joiner joiner(vertices_, faces_);
   Patch patch = joiner.join(pieces, others);
-  keep_simple_loops(patch);  // two crossings of one plane and one edge are one vertex
+  keep_simple_loops(patch);  // two crossings of the same plane and edge are one vertex
   return {std::move(patch), joiner.kinds()};
 }
 

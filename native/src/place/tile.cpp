@@ -21,7 +21,7 @@ const Vec3& point(const Patch& patch, std::int32_t v) {
   return patch.points[static_cast<std::size_t>(v)];
 }
 
-/// Sets of corners of all polygons, by union and find.
+/// Sets of corners of all polygons (union-find).
 class CornerSets {
  public:
   explicit CornerSets(const Patch& patch) {
@@ -54,7 +54,7 @@ class CornerSets {
 /// One run of a polygon along an edge.
 struct EdgeUse {
   std::size_t polygon, k;
-  bool upward;  // from the lower vertex to the higher
+  bool upward;  // whether it runs from the lower vertex to the higher one
 };
 
 std::map<std::pair<std::int32_t, std::int32_t>, std::vector<EdgeUse>> edge_uses(
@@ -71,7 +71,7 @@ std::map<std::pair<std::int32_t, std::int32_t>, std::vector<EdgeUse>> edge_uses(
   return result;
 }
 
-/// The half-edge mesh of a separated patch; handles of vertices and faces are those of the patch.
+/// The half-edge mesh of a separated patch; handles of vertices and faces are indices of the patch.
 PolygonMesh half_edge_mesh(const Patch& patch) {
   PolygonMesh mesh;
   for (const Vec3& p : patch.points) mesh.add_vertex({p.x(), p.y(), p.z()});
@@ -158,7 +158,7 @@ Corners outline(const PolygonMesh& mesh, const FlatSets& flat,
   return simple && result.size() == border.size() ? result : Corners();
 }
 
-/// Whether a vertex lies in the middle of a straight edge, of one polygon or between the same two.
+/// Whether a vertex lies inside a straight edge of one polygon or between the same two polygons.
 std::vector<bool> in_straight_edges(const Patch& patch) {
   std::vector<std::vector<std::pair<std::int32_t, std::int32_t>>> uses(patch.points.size());
   for (const auto& [corners, face] : patch.polygons)
@@ -185,8 +185,8 @@ void drop_vertices(Patch& patch, const std::vector<bool>& dropped) {
   }
 }
 
-/// The offset of each vertex that lifts the polygons around it by 1: along the mean of their
-/// normals, and longer where these differ.
+/// The offset of each vertex that raises the polygons around it by 1. It points along the mean of
+/// their normals and is longer where the normals differ.
 std::vector<Vec3> lifts(const Patch& patch) {
   std::vector<Vec3> result(patch.points.size(), Vec3::Zero());
   std::vector<double> least(patch.points.size(), 1.0);
@@ -222,7 +222,7 @@ void add_bottom(const Patch& patch, std::int32_t offset, TileMesh& result) {
   }
 }
 
-/// A wall under every edge of a loop, outward.
+/// Add a wall under every edge of a border loop, facing outward.
 void add_walls(const Patch& patch, std::int32_t offset, TileMesh& result) {
   const PolygonMesh mesh = half_edge_mesh(patch);
   for (const auto edge : mesh.halfedges()) {
@@ -286,7 +286,7 @@ Patch merged(const Patch& patch, const std::function<bool(const Vec3&)>& stays) 
     for (std::size_t v = 0; v < dropped.size(); ++v)
       if (dropped[v]) dropped[v] = !stays(result.points[v]);
   drop_vertices(result, dropped);
-  return apart(result);  // without unused vertices
+  return apart(result);  // removes unused vertices
 }
 
 PatchTopology topology_of(const Patch& patch) {

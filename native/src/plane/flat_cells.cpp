@@ -12,9 +12,10 @@ namespace dapple {
 namespace {
 
 constexpr double kFirstReach = 1.8;  // spacings
-constexpr double kFurther = 2.25;    // squared
+constexpr double kFurther = 2.25;    // factor of the squared reach
 constexpr double kMargin = 1.25;     // of the squared reach that the last neighborhood needed
-// More neighbors than ordinary cells have: then the nearest sites of the corners are searched.
+// Cells with more near sites than this are unusual; for them, the sites nearest to the corners are
+// searched.
 constexpr std::size_t kMany = 50;
 constexpr std::size_t kNone = ~std::size_t{0};
 constexpr std::int32_t kFrame = -1;  // label of the edges along the frame
@@ -59,8 +60,8 @@ bool FlatCells::at_frame() const {
                      [](const auto& corner) { return corner.edge == kFrame; });
 }
 
-// On the torus a site's own images hold its cell within half a period of it; those askew have no
-// part in that.
+// On the torus, the bisectors with the site's own images limit the cell to half a period; the
+// diagonal images never cut it.
 void FlatCells::begin() {
   next_ = 0;
   cutting_.clear();
@@ -95,7 +96,7 @@ void FlatCells::find(const Box& query, std::vector<Place>& found) const {
   });
 }
 
-/// Without a branch: a processor cannot predict whether a position is within reach.
+/// The loop has no branch, because a processor cannot predict whether a position is within reach.
 void FlatCells::choose(const std::vector<Place>& places) {
   if (found_.size() < places.size()) found_.resize(2 * places.size());
   const Vec2 x = sites_->place(place_).head<2>();
@@ -113,7 +114,7 @@ void FlatCells::choose(const std::vector<Place>& places) {
 
 // ---- clipping of the cell ----
 
-/// False if sites beyond those found here might cut.
+/// Returns false if sites that were not found here might cut the cell.
 bool FlatCells::cut_by_near() {
   double needed = 4.0 * cell_.squared_radius();
   for (;; choose(further_)) {
@@ -131,8 +132,8 @@ bool FlatCells::cut_by_near() {
   }
 }
 
-// A convex polygon belongs to the site if its corners do: wherever another site is nearer to one,
-// that site cuts it off. A site cuts twice only because of rounding.
+// A convex polygon belongs to the site if all its corners do. If another site is nearer to a
+// corner, its bisector cuts the corner off. A site cuts twice only because of rounding.
 void FlatCells::cut_by_nearest_to_corners() {
   for (std::size_t c = 0; c < cell_.corners.size();) {
     const Rival nearest = nearest_to(cell_.corners[c].x);
@@ -144,7 +145,7 @@ void FlatCells::cut_by_nearest_to_corners() {
   }
 }
 
-/// The site itself if none is nearer.
+/// The site nearest to a corner; the site itself if no other one is nearer.
 FlatCells::Rival FlatCells::nearest_to(const Vec2& corner) const {
   const Vec3& x = sites_->place(place_);
   const Vec3 point = x + Vec3(corner.x(), corner.y(), 0.0);
@@ -170,7 +171,8 @@ bool FlatCells::cut(const Rival& rival) {
   return true;
 }
 
-/// The sites that bound the cell; if rounding leaves nothing of it, all that have cut it.
+/// Collect the sites that bound the cell. If nothing of it is left because of rounding, collect all
+/// sites that have cut it.
 void FlatCells::collect_links() {
   links_.clear();
   const auto add = [&](const Rival& rival) {

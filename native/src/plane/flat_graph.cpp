@@ -10,11 +10,11 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 512;  // places a chunk
+constexpr std::size_t kGrain = 512;  // places per chunk
 
 using Link = SiteGraph::Link;
 
-/// The row of links of each site, with rows of earlier sites before it.
+/// Turn the number of links of each site into the end of its row, and allocate the rows.
 void make_rows(SiteGraph& graph) {
   std::partial_sum(graph.starts.begin(), graph.starts.end(), graph.starts.begin());
   graph.links.resize(graph.starts.back());

@@ -26,7 +26,7 @@ struct Key {
   std::int32_t site;
 };
 
-/// Sites along the curve; coincident ones are adjacent, in their order.
+/// The sites along the curve; coincident sites are adjacent, in their original order.
 std::vector<Key> along_curve(std::span<const Vec3> x) {
   Eigen::AlignedBox2d box;
   for (const Vec3& p : x) box.extend(p.head<2>());

@@ -20,7 +20,7 @@ namespace dapple {
 namespace {
 
 constexpr double kCut = 0.3;  // share of the progress of an evaluation when large faces are cut
-constexpr double kOutside = 1e-9;  // of the domain's size: farther is not rounding
+constexpr double kOutside = 1e-9;  // of the domain's size: larger distances are not rounding errors
 
 const Image& checked(const Image& image) {
   check_image("density", image);
@@ -35,8 +35,9 @@ void check_grid(std::size_t columns, std::size_t rows) {
                         " are possible");
 }
 
-/// Triangles over the lines x and y of a grid, two to a cell: 2 (row * columns + column), and one
-/// more above the diagonal. `value(column, row)` is the density at a crossing.
+/// Triangles on a grid with lines at x and y, two per cell. The triangle below the diagonal has the
+/// index 2 (row * columns + column), the one above it the next index. `value(column, row)` is the
+/// density at a grid point.
 template <typename Value>
 Surface grid_surface(const std::vector<double>& x, const std::vector<double>& y,
                      const Value& value) {
@@ -104,8 +105,8 @@ Eigen::Array2i size_of(const Image& image) {
   return {static_cast<int>(image.columns), static_cast<int>(image.rows)};
 }
 
-// A cell reaches half a period beyond its site, which is in the square: the cover is the square and
-// half a period around it, to whole pixels.
+// A cell reaches up to half a period beyond its site, which is in the square. The cover is
+// therefore the square with a margin of half a period, rounded up to whole pixels.
 Eigen::Array2i pixels_before(const Eigen::Array2i& size) { return size / 2 + 2; }
 Eigen::Array2i last_pixel(const Eigen::Array2i& size) { return size + (size + 1) / 2 + 1; }
 
@@ -114,7 +115,7 @@ double wrap(double x) {
   return wrapped < 1.0 ? wrapped : 0.0;  // the difference can round up to 1
 }
 
-/// Around all of a domain.
+/// The bounding box of a domain.
 /// \param size of a rectangle; 0 for a polygon
 Eigen::AlignedBox2d frame_of(const Surface& surface, const Vec2& size) {
   if (!size.isZero()) return {Vec2::Zero(), size};
@@ -132,7 +133,7 @@ std::vector<Vec3> in_space(const char* name, std::span<const Vec2> points) {
 
 }  // namespace
 
-// ---- both ----
+// ---- plane and torus ----
 
 Sites FlatDomain::start(Start kind, std::size_t count, std::uint64_t seed, Context* context) const {
   check_count("count", count);
@@ -303,7 +304,7 @@ Sites Torus::project(std::span<const Vec3> points, std::span<const std::int32_t>
   return sites;
 }
 
-/// The points where they are.
+/// Bind the points to the faces of the cover without moving them.
 Sites Torus::bind(std::span<const Vec3> points) const {
   const OrderedSurface& cover = cover_.ordered();
   Sites sites{Vectors(points.size()), std::vector<std::int32_t>(points.size()),
@@ -341,7 +342,7 @@ Sites Torus::sites(std::span<const Vec2> points) const {
   return bind(in_space("positions", points));
 }
 
-// Its cells are connected, so the rule for parts of cells does not matter.
+// Cells on a torus are connected, so the rule for parts of cells does not matter.
 std::unique_ptr<FlatDomain> Torus::with_cells(Cells) const {
   return std::make_unique<Torus>(*this);
 }

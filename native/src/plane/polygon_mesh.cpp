@@ -61,7 +61,7 @@ class RingMesh {
     }
   }
 
-  /// The triangles that an odd number of rings surrounds.
+  /// The triangles that are inside an odd number of rings.
   Surface surface() {
     mark_inside(mesh_,
                 [](Triangulation::Face_handle face, int k) { return face->is_constrained(k); });
@@ -81,7 +81,7 @@ class RingMesh {
     } catch (const Triangulation::Intersection_of_constraints_exception&) {
       return false;
     }
-    return mesh_.is_edge(a, b);  // not if another point lies on it
+    return mesh_.is_edge(a, b);  // false if another point lies on the edge
   }
 
   Triangulation mesh_;

@@ -7,8 +7,8 @@
 namespace dapple {
 namespace {
 
-// Relative to the target capacity: a locked sample with so little is in a crowd, which others
-// beside it cannot compensate.
+// Capacity of a locked sample, relative to the target, below which the locked samples are crowded
+// and other samples cannot compensate for it.
 constexpr double kCrowded = 0.25;
 constexpr int kHalvings = 60;
 

@@ -21,28 +21,28 @@
 namespace dapple {
 namespace {
 
-constexpr std::ptrdiff_t kPatch = 8;  // sites of a neighborhood, which decides on removals
-// In samples: the surplus or deficit of a neighborhood that is corrected.
+constexpr std::ptrdiff_t kPatch = 8;  // sites of a neighborhood, which gets a number as a whole
+// The least surplus or deficit of a neighborhood that is corrected, in samples.
 constexpr double kReluctance = 0.75;
-constexpr int kCandidates = 16;      // positions tried for a new site ...
-constexpr double kAround = 0.9;      // ... within so many spacings of its host
-constexpr int kRounds = 40;          // each at most doubles or halves; the last one does the rest
-constexpr double kWork = 15.0;       // inserting one takes as long as so many cells
+constexpr int kCandidates = 16;  // positions tried for a new site
+constexpr double kAround = 0.9;  // spacings from the host within which they lie
+constexpr int kRounds = 40;  // each at most doubles or halves the sites; the last one does the rest
+constexpr double kWork = 15.0;       // inserting a site takes as long as this many cells
 constexpr std::size_t kGrain = 128;  // changes between two checks
 
 constexpr OrderedFace kNone{-1};
 
 std::ptrdiff_t rounded(double x) { return static_cast<std::ptrdiff_t>(std::llround(x)); }
 
-/// The nearest integer between 0 and `change`; another one only if that is far off.
+/// The nearest integer between 0 and `change`, or the nearest integer of all if that is far off.
 std::ptrdiff_t reluctantly(double x, std::ptrdiff_t change) {
   const std::ptrdiff_t inside = std::clamp(rounded(x), std::min<std::ptrdiff_t>(0, change),
                                            std::max<std::ptrdiff_t>(0, change));
   return std::abs(x - static_cast<double>(inside)) <= kReluctance ? inside : rounded(x);
 }
 
-/// Integers close to real numbers of the same sum. Changes are rounded toward 0 unless the sum or a
-/// neighbor's gain requires more.
+/// Integers close to the given real numbers, with the same sum. Changes are rounded toward 0 unless
+/// the sum or a neighbor's gain requires more.
 std::vector<std::ptrdiff_t> whole_changes(const std::vector<double>& wanted) {
   std::vector<std::ptrdiff_t> result;
   std::set<std::pair<double, std::size_t>> rest;
@@ -77,21 +77,21 @@ double work_of(std::ptrdiff_t change) {
 struct Passed {
   std::vector<bool> alive;  // per site
   Sites fresh;
-  bool complete = true;     // every neighborhood has its number
-  std::size_t lacking = 0;  // number still to be inserted if only some sites are balanced
+  bool complete = true;     // every neighborhood has its target number
+  std::size_t lacking = 0;  // number still to insert if only some sites are balanced
 };
 
 /// The sites to balance, and the targets.
 struct Rule {
   std::size_t count = 0;               // target number of all sites
-  std::size_t most_come = kAnyNumber;  // so many may still be put in ...
-  std::size_t most_go = kAnyNumber;    // ... and taken out
+  std::size_t most_come = kAnyNumber;  // limit of further insertions
+  std::size_t most_go = kAnyNumber;    // limit of further removals
   std::vector<bool> free = {};         // per site; empty: all are
-  double capacity = 0.0;               // of each of the free ones, where not all are
+  double capacity = 0.0;               // target capacity of each free site, if not all are free
 };
 
-/// One pass over all sites, after which each neighborhood has at most twice and at least half as
-/// many as before.
+/// One pass over all sites, which at most doubles and at most halves the number of sites of each
+/// neighborhood.
 class Round {
  public:
   Round(const Surface& surface, const Islands& islands, const Domain& domain, const Sites& sites,
@@ -119,7 +119,7 @@ class Round {
     return std::move(passed_);
   }
 
-  /// The share of the remaining work, this and later rounds, that is done.
+  /// The share of the remaining work, in this and later rounds, that is done.
   [[nodiscard]] double progress() const {
     const auto cells = static_cast<double>(sites_.size());
     return (cells + made_) / (cells + wanted_);
@@ -134,7 +134,7 @@ class Round {
     return islands_.at(surface_.ordered().ordered_face(face));
   }
 
-  // Islands exchange no sites.
+  // Islands do not exchange sites, so each gets its own number.
   void share_out() {
     order_ = morton_order(sites_.positions);
     std::erase_if(order_, [this](std::int32_t s) { return !is_free(static_cast<std::size_t>(s)); });
@@ -176,7 +176,7 @@ class Round {
     return result;
   }
 
-  /// The same by the capacity of the free sites.
+  /// Per island, how many sites it lacks by the capacity of its free sites.
   [[nodiscard]] std::vector<double> lacking_among_free(
       const std::vector<std::ptrdiff_t>& held) const {
     std::vector<double> result(held.size(), 0.0);
@@ -191,7 +191,7 @@ class Round {
     return surface_.ordered().geometry(face).moments.capacity;
   }
 
-  /// The worth of each cell if all of them are worth `total`.
+  /// Set the number of samples that each cell should hold if all of them should hold `total`.
   void fill(Place first, Place last, double total) {
     const auto capacity = [this](std::int32_t s) {
       return diagram_.cells[static_cast<std::size_t>(s)].capacity;
@@ -223,11 +223,11 @@ class Round {
 
   void add_patch(Place first, Place last, std::ptrdiff_t change) {
     const std::ptrdiff_t size = last - first;
-    if (!all_are_free() && change > 0) {  // the caller inserts them
+    if (!all_are_free() && change > 0) {  // the caller inserts the sites
       passed_.lacking += static_cast<std::size_t>(change);
       change = 0;
     }
-    const bool half = worth(first, last) >= 0.5;  // nothing remains where the target is 0
+    const bool half = worth(first, last) >= 0.5;  // no site remains where the target is 0
     const std::ptrdiff_t possible =
         limited_ ? std::clamp(change, half ? -((size + 1) / 2) : -size, size) : change;
     passed_.complete = passed_.complete && possible == change;
@@ -241,8 +241,8 @@ class Round {
   [[nodiscard]] bool is_spared() const { return rule_.most_come != kAnyNumber; }
 
   /// Skip the neighborhoods with the smallest errors until the limits hold. If islands get their
-  /// first sites, all others wait for the next round, because until then the nearest cells own
-  /// these islands.
+  /// first sites, all other changes wait for the next round, because until then the nearest cells
+  /// own these islands.
   void spare() {
     const bool waits = passed_.fresh.size() > 0;
     leave_all_but(1, waits ? 0 : rule_.most_come);
@@ -257,8 +257,8 @@ class Round {
     for (Queue patches = by_urgency(sign); sum > most; --sum) leave_one(patches, sign);
   }
 
-  /// The neighborhoods that get samples (sign 1) or lose them (-1), by how far they were off were
-  /// it one less.
+  /// The neighborhoods that gain samples (sign 1) or lose them (-1), sorted by their error with one
+  /// change fewer.
   [[nodiscard]] Queue by_urgency(int sign) const {
     Queue result;
     for (std::size_t patch = 0; patch < changes_.size(); ++patch)
@@ -276,7 +276,7 @@ class Round {
     if (changes_[patch] != 0) patches.emplace(urgency(patch, sign), patch);
   }
 
-  /// A first site on an island without any; the next round adds the rest.
+  /// Insert the first site on an island without sites; the next round adds the rest.
   void settle(OrderedFace ordered_face, std::ptrdiff_t change) {
     const Vec3 middle = Vec3::Constant(1.0 / 3.0);
     const std::int32_t face = surface_.ordered().original_face(ordered_face);
@@ -295,7 +295,8 @@ class Round {
   [[nodiscard]] bool all_are_free() const { return rule_.free.empty(); }
   [[nodiscard]] bool is_free(std::size_t site) const { return all_are_free() || rule_.free[site]; }
 
-  /// The sites of neighborhoods with `sign` changes to make, by `sign` times what they are worth.
+  /// The sites of neighborhoods in which changes of that sign remain, sorted by `sign` times the
+  /// number of samples that their cells should hold.
   [[nodiscard]] Queue queue(int sign) const {
     Queue result;
     for (std::size_t s = 0; s < fill_.size(); ++s)
@@ -304,7 +305,7 @@ class Round {
     return result;
   }
 
-  /// Give the site's living neighbors equal shares of `worth`.
+  /// Distribute `worth` equally to the site's remaining neighbors.
   void hand_out(std::size_t site, double worth, int sign, Queue& waiting) {
     std::vector<std::size_t> near;
     for (const CellBoundary& side : diagram_.boundary(site))
@@ -335,7 +336,7 @@ class Round {
     }
   }
 
-  // The new site is worth one sample, half of it its host's, half of it the neighbors'.
+  // A new site takes the worth of one sample, half of it from its host and half from the neighbors.
   void put_in() {
     for (Queue waiting = queue(-1); !waiting.empty();) {
       const std::size_t host = waiting.extract(waiting.begin()).value().second;
@@ -349,8 +350,9 @@ class Round {
     }
   }
 
-  /// Of several positions around the host, the one farthest from all sites, in spacings at the
-  /// position: otherwise all would go to the lower side of a jump of the density.
+  /// Insert a site at the one of several positions around the host that is farthest from all sites.
+  /// The distance is in spacings at the position; otherwise all sites would go to the side of lower
+  /// density at a jump.
   void place_beside(std::size_t host) {
     const std::vector<Vec3> near = near_positions(host);
     const std::vector<Vec3> places = places_around(host);
@@ -369,8 +371,8 @@ class Round {
     add(found, best);
   }
 
-  /// If few sites are inserted, cells beside empty regions stay long and narrow, and nearby
-  /// positions may belong to sites far beyond their neighbors.
+  /// Whether a point is in the host's cell. If few sites are inserted, cells beside empty regions
+  /// stay long and narrow, and positions near the host may belong to sites beyond its neighbors.
   [[nodiscard]] bool is_in_cell(std::size_t host, const Vec3& point) const {
     const Vec3 way = point - sites_.positions[host];
     const auto sides = diagram_.boundary(host);
@@ -407,7 +409,8 @@ class Round {
     return result;
   }
 
-  /// The host, the sites of the two rings around it, and those inserted beside them.
+  /// The positions of the host, of the sites of the two rings around it, and of the sites inserted
+  /// beside them.
   [[nodiscard]] std::vector<Vec3> near_positions(std::size_t host) const {
     std::set<std::size_t> near = {host};
     for (int ring = 0; ring < 2; ++ring) {
@@ -433,19 +436,19 @@ class Round {
   Random& random_;
   Context* context_;
   RestrictedVoronoi diagram_;
-  std::vector<std::int32_t> order_;      // sites by island, in each along a curve that fills space
-  std::vector<OrderedFace> largest_;     // per island: the face of largest capacity
-  std::vector<double> fill_;             // per site: how many samples what it owns is worth
-  std::vector<std::size_t> patch_;       // per site
-  std::vector<std::ptrdiff_t> changes_;  // per patch: samples still to come or to go
-  std::vector<double> lacks_;            // per patch: what it lacks, in samples
-  std::vector<std::vector<std::size_t>> guests_;  // per site: those put in beside it
-  double made_ = 0.0, wanted_ = 0.0;              // work, without the cells
+  std::vector<std::int32_t> order_;   // sites by island, each along a space-filling curve
+  std::vector<OrderedFace> largest_;  // per island: the face of largest capacity
+  std::vector<double> fill_;          // per site: the number of samples that its cell should hold
+  std::vector<std::size_t> patch_;    // per site
+  std::vector<std::ptrdiff_t> changes_;           // per patch: samples still to insert or to remove
+  std::vector<double> lacks_;                     // per patch: deficit in samples
+  std::vector<std::vector<std::size_t>> guests_;  // per site: the sites inserted beside it
+  double made_ = 0.0, wanted_ = 0.0;              // work, apart from the cells
   std::size_t changed_ = 0;
   Passed passed_;
 };
 
-/// Sites, and which of those at the beginning each is; -1 for new ones, which come last.
+/// Sites, and per site its index at the beginning; -1 for new ones, which come last.
 struct Traced {
   Sites sites;
   std::vector<std::int32_t> origin;
@@ -469,8 +472,8 @@ void apply(const Passed& passed, Traced& now) {
   now.origin = std::move(origin);
 }
 
-/// Count what has come and gone. Of first ones on an island more may have come than may: as many
-/// more then go.
+/// Subtract the insertions and removals from the limits. First sites on islands can exceed the
+/// limit of insertions; then as many more sites may be removed.
 void spend(const Passed& passed, Rule& rule) {
   const std::size_t came = passed.fresh.size();
   const auto gone =
@@ -536,7 +539,7 @@ Rebalanced rebalance(const Domain& domain, const Sites& sites, std::size_t count
 
 Thinned thin_out(const Surface& surface, const Domain& domain, const Sites& sites, FreeSites part,
                  Context* context) {
-  Random random(0);  // nothing is put in
+  Random random(0);  // unused, because nothing is inserted
   const Islands islands(surface);
   Rule rule{.count = sites.size(), .free = std::move(part.free), .capacity = part.capacity};
   Traced now{sites, std::vector<std::int32_t>(sites.size())};

@@ -18,9 +18,9 @@ constexpr double kDraws = 12.0;   // random points per site
 constexpr std::size_t kMore = 8;  // factor if these are too few
 constexpr std::size_t kMost = 1 << 21;
 constexpr std::size_t kFew = 1 << 16;  // points: cheap up to this number
-constexpr std::size_t kAsked = 4;    // sites nearest to a point, until one is on its side of a wall
-constexpr double kReach = 1.5;       // of the gap: range within which a new site matters
-constexpr std::size_t kGrain = 256;  // points
+constexpr std::size_t kAsked = 4;      // nearest sites tested for being on the same side of a wall
+constexpr double kReach = 1.5;         // of the gap: range in which a new site matters
+constexpr std::size_t kGrain = 256;    // points
 constexpr std::size_t kNobody = ~std::size_t{0};
 
 /// A candidate position.
@@ -61,7 +61,7 @@ std::vector<Place> draw_places(const Surface& surface, const Gaps& gaps, std::si
       tree.nearest(darts[k].position, 1, near);
       if (!sees(near.front())) tree.nearest(darts[k].position, kAsked, near);
       const auto first = std::find_if(near.begin(), near.end(), sees);
-      // If it sees none of them, those that it sees are farther.
+      // If all of them are on the other side, sites on the point's side are farther away.
       const Neighbor& nearest = first != near.end() ? *first : near.back();
       if (gaps.open[static_cast<std::size_t>(nearest.index)])
         distances[k] = nearest.squared_distance;
@@ -73,7 +73,7 @@ std::vector<Place> draw_places(const Surface& surface, const Gaps& gaps, std::si
   return places;
 }
 
-/// Takes the positions farthest from all sites, one after another.
+/// Chooses the positions farthest from all sites, one after another.
 class Filling {
  public:
   explicit Filling(std::vector<Place> places)
@@ -82,7 +82,7 @@ class Filling {
     std::make_heap(waiting_.begin(), waiting_.end());
   }
 
-  /// Null if there is none left.
+  /// The next position; null if none is left.
   const Dart* next() {
     const std::size_t k = widest();
     if (k == kNobody) return nullptr;
@@ -98,7 +98,7 @@ class Filling {
   }
 
  private:
-  /// Positions whose distance has decreased are inserted again.
+  /// The widest gap. Positions whose distance has decreased are inserted into the heap again.
   std::size_t widest() {
     while (!waiting_.empty()) {
       std::pop_heap(waiting_.begin(), waiting_.end());
@@ -127,8 +127,8 @@ Sites widest_gaps(const Surface& surface, const Gaps& gaps, std::size_t count, s
   Sites result;
   if (std::none_of(gaps.open.begin(), gaps.open.end(), [](bool open) { return open; }))
     return result;
-  // If cells cover little of the surface, because parts without a site have no owner, the capacity
-  // does not determine the number.
+  // The number of points is limited, because the capacity does not determine it if cells cover
+  // little of the surface, as when parts without a site have no owner.
   const std::size_t most =
       std::max(kFew, kMore * static_cast<std::size_t>(kDraws) * (count + gaps.sites.size()));
   auto draws = static_cast<std::size_t>(

@@ -13,7 +13,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kUnionRadius = 5.0 / 6.0;  // of the repulsion radius, between sites of any class
+constexpr double kUnionRadius = 5.0 / 6.0;  // of the repulsion radius, for sites of the union
 constexpr double kDiscs = 20.0;             // weight of overlapping discs
 constexpr double kPacking = std::numbers::pi / (2.0 * std::numbers::sqrt3);  // densest, of discs
 

@@ -18,7 +18,7 @@ namespace {
 constexpr double kEvaluated =
     0.9;  // share of the progress of the analysis when the cells are known
 
-/// The term of a class; the union's if there is no other class. -1 for an empty class.
+/// The term of a class; the term of the union if there is no other class; -1 for an empty class.
 std::int32_t term_of(const Objective& objective, std::size_t c) {
   const auto is_of_class = [&](std::int32_t site) {
     return objective.classes[static_cast<std::size_t>(site)] == static_cast<std::int32_t>(c);
@@ -127,7 +127,7 @@ Report analyze(const Surface& surface, const Samples& samples, double capacity_w
   if (context) context->check();
   check_samples(surface, samples);
   const Sites sites{samples.positions, samples.faces, samples.barycentric};
-  // As in an optimization, so that both report the same.
+  // The domain is that of an optimization, so that both report the same values.
   const SurfaceDomain domain(surface, cells, Steps::kAnywhere, std::nullopt, EmptyFaces::kLeft);
   Report report;
   Stretch evaluating(context, 0.0, kEvaluated);

@@ -28,7 +28,7 @@ struct Link {
   double weight;
 };
 
-/// Points to be ordered evenly: all of them, or those of a class.
+/// Points to be ordered evenly: all points or those of a class.
 class Layer {
  public:
   Layer(std::span<const Vec3> all, Indices members, Context* context)
@@ -50,9 +50,9 @@ class Layer {
     });
   }
 
-  /// Add to each point's links those to points that are nearer than the spacing would be if the
-  /// share `left` of the layer were there: (1 - distance / spacing)^8, as in weighted sample
-  /// elimination, once for each of both points' spacings.
+  /// Link each point to the points that are nearer than the spacing of the layer with only the
+  /// share `left` of its points. The weight is (1 - distance / spacing)^8, as in weighted sample
+  /// elimination, summed for the spacings of both points.
   void link(const std::vector<std::uint8_t>& alive, double left,
             std::vector<std::vector<Link>>& links, Context* context) const {
     std::vector<std::size_t> kept;
@@ -104,10 +104,10 @@ class Layer {
 
   std::span<const Vec3> all_;
   Indices members_;
-  std::vector<double> spacing_;  // of each member: mean distance to its ring
+  std::vector<double> spacing_;  // of each member: mean distance to its nearest neighbors
 };
 
-/// Chooses the class of the next point, so that all classes keep their shares.
+/// Chooses the class of the next point so that all classes keep their shares.
 class Shares {
  public:
   explicit Shares(const std::vector<Indices>& classes) {
@@ -117,7 +117,7 @@ class Shares {
     remaining_ = total_;
   }
 
-  /// The class that is farthest above its share of one point fewer.
+  /// The class that exceeds its share most when one point fewer remains.
   std::size_t take() {
     --remaining_;
     std::size_t chosen = 0;
@@ -139,7 +139,7 @@ class Shares {
   std::size_t total_ = 0, remaining_ = 0;
 };
 
-/// The remaining points, and which one to remove next.
+/// The remaining points, and the choice of the next one to remove.
 class Elimination {
  public:
   Elimination(std::span<const Vec3> points, const std::vector<Indices>& classes,
@@ -162,7 +162,8 @@ class Elimination {
   }
 
   Indices run(Context* context) && {
-    // Radii grow with the gaps, so neighbors are searched again whenever half are removed.
+    // Radii grow with the gaps, so neighbors are searched again whenever half of the points are
+    // removed.
     while (left_ > 0) {
       const std::size_t first = left_, target = left_ / 2;
       Stretch level(context, progress_at(first), progress_at(target));
@@ -235,7 +236,7 @@ class Elimination {
 
   const Indices& class_of_;
   Shares shares_;
-  std::vector<Layer> layers_;  // all, then the classes if there are several
+  std::vector<Layer> layers_;  // one of all points, then one per class if there are several
   std::vector<std::uint8_t> alive_;
   std::size_t left_ = 0;
   Indices ranks_;
@@ -244,7 +245,7 @@ class Elimination {
   std::vector<std::priority_queue<Entry>> queues_;  // per class
 };
 
-/// Members of each class that has any, and per point which of these lists it is in.
+/// The members of each nonempty class, and per point the index of its list.
 std::pair<std::vector<Indices>, Indices> grouped(std::size_t count,
                                                  std::span<const std::int32_t> classes) {
   Indices names(classes.begin(), classes.end());

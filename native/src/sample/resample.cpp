@@ -19,23 +19,22 @@
 namespace dapple {
 namespace {
 
-// Of the progress: before the optimization, after a start from nothing ...
+// Share of the progress before the optimization if there are no samples.
 constexpr double kStarted = 0.3;
 constexpr double kEvening =
-    24.0;                      // ... otherwise it takes as long as so many evaluations of each cell
-constexpr double kNear = 0.5;  // spacings: a site so close to a face with density stays
-constexpr double kAsVaried =
-    1.25;  // relative to the previous capacity variation: counts as equally even
-constexpr double kSame = 1e-12;  // relative to the coordinates: a locked sample has not moved
+    24.0;                      // otherwise the optimization takes as long as this many evaluations
+constexpr double kNear = 0.5;  // spacings: a site this close to a face with density is kept
+constexpr double kAsVaried = 1.25;  // of the previous capacity variation: counts as equally even
+constexpr double kSame = 1e-12;     // of the coordinates: a locked sample has not moved farther
 
-/// Where an optimization begins: those that stay, then the new ones.
+/// The start of an optimization: the remaining samples, then the new ones.
 struct Beginning {
   Samples kept;
   Sites sites;
   int evaluations = 0;
   std::vector<bool> locked = {};  // per site; empty: none
   std::vector<std::size_t> rows =
-      {};  // previous rows of those that stay; empty without locked samples
+      {};  // previous rows of the remaining samples; empty without locked ones
 };
 
 Beginning begin_anew(const Surface& surface, std::size_t count, std::uint64_t seed,
@@ -138,7 +137,7 @@ Beginning begin(const Surface& surface, const Domain& domain, const Samples& sam
   return {kept, std::move(sites), found.evaluations};
 }
 
-/// The share of the time before the optimization.
+/// The share of the time that is spent before the optimization.
 double beginning(std::size_t sites, std::size_t count) {
   if (sites == 0 || count == 0) return kStarted;
   const double work = rebalancing_work(sites, count);
@@ -197,14 +196,14 @@ OptimizerResult even_out(const Domain& domain, const Beginning& first, const Sam
           .converged = found.converged};
 }
 
-/// Locked samples keep their bytes, unless the surface has moved.
+/// Locked samples keep their exact positions unless the surface has moved.
 void restore_locked(const Samples& before, const Beginning& first, Samples& after) {
   for (std::size_t k = 0; k < first.rows.size(); ++k) {
     const std::size_t row = first.rows[k];
     const double size = after.positions[k].cwiseAbs().maxCoeff();
     const double moved = (after.positions[k] - before.positions[row]).cwiseAbs().maxCoeff();
     if (!first.locked[k] || after.faces[k] != before.faces[row] || !(moved <= kSame * size) ||
-        !before.positions[row].allFinite())  // the largest of numbers and a NaN may be a number
+        !before.positions[row].allFinite())  // maxCoeff() may ignore NaN
       continue;
     after.positions[k] = before.positions[row];
     after.barycentric[k] = before.barycentric[row];

@@ -9,10 +9,10 @@
 namespace dapple {
 namespace {
 
-constexpr double kRounding = 1e-14;  // of weights that already are normalized
+constexpr double kRounding = 1e-14;  // rounding error of weights that are normalized already
 
-/// Without negative coordinates and with sum 1. Coordinates that satisfy this are unchanged:
-/// binding again changes nothing.
+/// Barycentric coordinates without negative values and with sum 1. Coordinates that satisfy this
+/// already are unchanged, so that binding again changes nothing.
 Vec3 normalized(const Vec3& row) {
   const Vec3 weights = row.cwiseMax(0.0);
   const double sum = weights.sum();
@@ -21,7 +21,7 @@ Vec3 normalized(const Vec3& row) {
 
 void check_ids(std::span<const std::int32_t> ids) {
   const auto not_above = [](std::int32_t a, std::int32_t b) { return a >= b; };
-  if (std::adjacent_find(ids.begin(), ids.end(), not_above) == ids.end()) return;  // they rise
+  if (std::adjacent_find(ids.begin(), ids.end(), not_above) == ids.end()) return;  // increasing
   std::vector<std::int32_t> sorted(ids.begin(), ids.end());
   std::sort(sorted.begin(), sorted.end());
   const auto twin = std::adjacent_find(sorted.begin(), sorted.end());

@@ -16,25 +16,25 @@
 namespace dapple {
 namespace {
 
-constexpr double kHarder = 10.0;  // factor of the weight of discs that still overlap
+constexpr double kHarder = 10.0;  // factor by which the weight of discs that still overlap grows
 constexpr int kRounds = 4;
-constexpr int kPushes = 20;        // of discs that overlap, along the surface
-constexpr double kOverlap = 1e-3;  // of the wanted distance: smaller overlaps are accepted
-constexpr double kStarting = 3.0;  // a start takes as long as so many evaluations
-constexpr double kThin = 0.1;      // of the tolerance, where most samples are on thin parts ...
-constexpr double kEven = 0.005;    // ... and the capacities vary by more, for at most ...
-constexpr int kMore = 15;          // ... so many evaluations more
-constexpr std::size_t kFew = 50;   // sites are too few to recognize a shell
-constexpr std::size_t kLookedAt = 500;  // sites are examined
-constexpr double kShell = 0.5;          // of them have the other side near
-constexpr std::size_t kNearest = 6;     // in space, itself among them
+constexpr int kPushes = 20;  // times that overlapping discs are pushed apart along the surface
+constexpr double kOverlap = 1e-3;       // of the wanted distance: smaller overlaps are accepted
+constexpr double kStarting = 3.0;       // a start takes as long as this many evaluations
+constexpr double kThin = 0.1;           // of the tolerance, if most samples are on thin parts
+constexpr double kEven = 0.005;         // and the capacity variation is larger than this
+constexpr int kMore = 15;               // most additional evaluations
+constexpr std::size_t kFew = 50;        // fewer sites do not suffice to recognize a shell
+constexpr std::size_t kLookedAt = 500;  // sites that are examined
+constexpr double kShell = 0.5;          // share of them that have the other side nearby
+constexpr std::size_t kNearest = 6;     // nearest sites in space, including the site itself
 constexpr double kOtherSide = -0.5;     // cosine between normals
-constexpr int kSettling = 2;            // times that the numbers of neighborhoods are checked
+constexpr int kSettling = 2;  // times that the numbers of sites of neighborhoods are checked
 constexpr double kAlone =
-    0.35;  // share of the progress after the start when every class is even by itself
+    0.35;  // share of the progress after the start when each class is even on its own
 constexpr double kRound = 0.4;   // share of the remaining progress, as their number is unknown
 constexpr double kRough = 5e-4;  // tolerance before all classes move together
-constexpr double kPolish = 2.0;  // times the tolerance, where they are nearly even when they meet
+constexpr double kPolish = 2.0;  // times the tolerance, if classes are nearly even when combined
 constexpr double kInTurn = 0.6;  // of the progress after the start
 
 std::vector<std::int32_t> numbers_from(std::int32_t first, std::size_t count) {
@@ -43,7 +43,7 @@ std::vector<std::int32_t> numbers_from(std::int32_t first, std::size_t count) {
   return numbers;
 }
 
-/// At least one evaluation, because positions are needed.
+/// The evaluations that are left, at least one because positions are needed.
 int evaluations_left(const OptimizerOptions& options, const Minimum& sum) {
   return std::max(options.max_evaluations - sum.evaluations, 1);
 }
@@ -104,8 +104,8 @@ void settle_alone(const ClassProblem& problem, const ClassOptions& options, Site
 
 namespace {
 
-/// Move sites between neighborhoods so that each has its share of the density; the number stays.
-/// Those that stay keep their places in the order.
+/// Move sites between neighborhoods so that each has its share of the density. The number of sites
+/// does not change, and sites that stay keep their index.
 Sites evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Context* context,
              int& evaluations) {
   const Rebalanced found = rebalance(domain, sites, sites.size(), seed, context);
@@ -145,8 +145,10 @@ bool is_thin_shell(const Domain& domain, const Surface& surface, const Sites& si
   return static_cast<double>(close) > kShell * static_cast<double>(looked_at);
 }
 
-/// Darts keep apart, but their local number is random. No step crosses a gap without density, and
-/// few sites move around gaps or the rim of a shell. Classes with locked sites are not changed.
+/// Correct the numbers of sites on islands of the density and on thin shells. Darts keep their
+/// distance, but their local number is random; no step of the optimization crosses a gap without
+/// density, and few sites move around gaps or the rim of a shell. Classes with locked sites are not
+/// changed.
 int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites,
                    Context* context) {
   int evaluations = 0;
@@ -167,14 +169,15 @@ int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites
   return evaluations;
 }
 
-/// The share of the time that the start takes; several classes are evaluated twice.
+/// The share of the time that the start takes. Several classes are evaluated twice.
 double share_of_start(const ClassProblem& problem, const ClassOptions& options) {
   if (options.sample.start == Start::kRandom) return 0.0;
   const double evaluations = expected_evaluations(options.sample.optimizer);
   return kStarting / (kStarting + evaluations * (problem.classes.size() > 1 ? 2.0 : 1.0));
 }
 
-/// On thin parts the start is nearly even: the first steps gain little, but more follow.
+/// Continue the optimization on thin parts. The start is nearly even there, so that the first steps
+/// gain little, but later ones gain more.
 void go_on_along(ClassMinimum& found, OptimizerOptions options, Context* context) {
   options.max_evaluations = std::min(kMore, options.max_evaluations - found.minimum.evaluations);
   if (options.max_evaluations < 1 ||
@@ -191,14 +194,14 @@ void go_on_along(ClassMinimum& found, OptimizerOptions options, Context* context
   end_apart(found.objective, options, found.minimum, nullptr);
 }
 
-/// Whether all classes have one density: then so has their union.
+/// Whether all classes have the same density, so that their union has it too.
 bool alike(const ClassProblem& problem) {
   return std::all_of(problem.classes.begin(), problem.classes.end(), [&](const auto& member) {
     return member.domain == problem.classes[0].domain;
   });
 }
 
-/// The classes that are not empty.
+/// The classes that are not empty, in groups of similar counts.
 std::vector<std::vector<std::size_t>> groups_by_count(const ClassProblem& problem) {
   std::vector<std::size_t> counts;
   counts.reserve(problem.classes.size());
@@ -274,8 +277,8 @@ bool goes_in_turn(const ClassProblem& problem, const ClassOptions& options) {
          options.sample.optimizer.method == Method::kTrustRegion && alike(problem);
 }
 
-/// Rare classes first, then the others around them, then all together. With one start for all, a
-/// few large cells would be crowded by many small ones.
+/// Place rare classes first, then the others around them, then optimize all together. With one
+/// start for all classes, a few large cells would be crowded by many small ones.
 ClassMinimum solve_in_turn(const ClassProblem& problem,
                            const std::vector<std::vector<std::size_t>>& groups,
                            const ClassOptions& options, Context* context) {

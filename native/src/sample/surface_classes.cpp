@@ -13,7 +13,7 @@ const Surface& surface_of(const Surface& all, const SampleClass& member) {
   return member.surface ? *member.surface : all;
 }
 
-/// Sum of the classes' densities, each scaled to its count, at the corners of the faces.
+/// The sum of the classes' densities, each scaled to its count, at the corners of the faces.
 Surface union_surface(const Surface& surface, std::span<const SampleClass> classes) {
   std::vector<double> values(3 * surface.face_count(), 0.0);
   for (const SampleClass& member : classes) {
@@ -65,7 +65,7 @@ ClassProblem surface_classes(const Surface& surface, std::span<const SampleClass
   ClassProblem problem;
   const SampleClass* only = nullptr;  // the class that is not empty, if there is just one
   std::size_t filled = 0;
-  bool alike = true;  // all have the surface's own density
+  bool alike = true;  // whether all classes have the surface's own density
   for (const SampleClass& member : classes) {
     problem.classes.push_back({member.surface
                                    ? std::make_shared<const SurfaceDomain>(

@@ -11,7 +11,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kWidthInUnits = 3.0;  // default half width, in sqrt(n): past the second peak
+constexpr double kWidthInUnits = 3.0;  // default half width, in sqrt(n): beyond the second peak
 constexpr std::size_t kGrain = 1024;   // points between two checks
 constexpr int kWidest = 8192;          // 2 GiB of powers
 
@@ -44,11 +44,12 @@ int chosen_half_width(const SpectrumOptions& options, double unit) {
   return std::min(static_cast<int>(std::ceil(kWidthInUnits * unit)), kWidest);
 }
 
-/// The turns of exp(-2 pi i cycles), from the fraction of a cycle: whole ones cost digits.
+/// The angle of exp(-2 pi i cycles) in turns. Only the fraction of a cycle is used, because whole
+/// cycles cost digits.
 double turns(double cycles) { return std::floor(cycles) - cycles; }
 
-/// exp(-2 pi i (x p_x + y p_y)) of a few points p at once, turned from one x to the next; as many
-/// as stay in registers.
+/// exp(-2 pi i (x p_x + y p_y)) of a few points p at once, rotated from one x to the next. The
+/// number of points is chosen so that they stay in registers.
 class Phases {
  public:
   Phases(std::span<const Vec2> points, int x, int y) {
@@ -97,7 +98,8 @@ void add_row(std::span<const Vec2> points, int half_width, int y, double share,
     row[x] += share * std::norm(sums[x]) / static_cast<double>(points.size());
 }
 
-/// Powers at f and -f are equal: fill the first half from the second, in the same digits.
+/// Powers at f and -f are equal. The first half is copied from the second, so that both are exactly
+/// equal.
 void mirror(std::vector<double>& powers) {
   std::copy(powers.rbegin(), powers.rbegin() + static_cast<std::ptrdiff_t>(powers.size() / 2),
             powers.begin());

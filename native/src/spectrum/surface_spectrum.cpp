@@ -21,14 +21,14 @@ namespace {
 
 constexpr std::size_t kGrain = 64;
 constexpr double kSites = 2.0 / std::numbers::sqrt3;  // number of sites in a squared spacing
-constexpr double kBorderStep = 0.1;  // between the points that represent a border, in spacings
+constexpr double kBorderStep = 0.1;  // distance between points that represent a border, in spacings
 constexpr double kFarthest = 3.0;    // frequency, in sqrt(n / A)
-constexpr double kSameSlope = 1e-6;  // c_p = c_q to rounding: the formula's limit is used
+constexpr double kSameSlope = 1e-6;  // c_p = c_q up to rounding: the limit of the formula is used
 constexpr double kLargestRadius = 100.0;
 constexpr int kMostBins = 4096;
 constexpr double kGathered = 0.8;  // share of the progress when all pairs are counted
 
-/// Euclidean distance lengthened by the bend that the normals indicate (Bowers et al. 2010,
+/// Euclidean distance corrected for the curvature that the normals indicate (Bowers et al. 2010,
 /// section 3.2); none if p and q face away from each other.
 std::optional<double> geodesic(double distance, double slope_p, double slope_q) {
   const double p = std::clamp(slope_p, -1.0, 1.0);
@@ -40,7 +40,8 @@ std::optional<double> geodesic(double distance, double slope_p, double slope_q) 
   return distance * stretch;
 }
 
-/// Tangent plane with the world's x axis, or z if x is normal to the plane, projected on it.
+/// Tangent plane with axes from the projection of the world's x axis, or of z if x is normal to the
+/// plane.
 struct Frame {
   Vec3 x, y;
 
@@ -77,7 +78,7 @@ std::vector<Vec3> border_points(const Surface& surface, double step) {
 /// Integer counts, whose sums do not depend on the order.
 using Counts = std::vector<std::uint64_t>;
 
-/// The differentials of one run.
+/// The differentials of one set of samples.
 class Differentials {
  public:
   Differentials(const Surface& surface, const Samples& samples, double radius, int bins,
@@ -98,13 +99,13 @@ class Differentials {
 
   [[nodiscard]] std::size_t centers() const { return centers_; }
 
-  /// Differentials for a center and a bin in white noise.
+  /// The expected number of differentials per center and bin for white noise.
   [[nodiscard]] double expected() const {
     const auto count = static_cast<double>(samples_.size());
     return kSites * (count - 1.0) / count * width_ * width_;
   }
 
-  /// Count those of the pairs whose larger spacing is sample i's (the lower index's if equal).
+  /// Count the pairs whose larger spacing is that of sample i (of the lower index if equal).
   void count_pairs(std::size_t i, std::vector<Neighbor>& found, Counts& counts) const {
     if (!std::isfinite(spacings_[i])) return;
     find_near(i, found);
@@ -234,7 +235,7 @@ class Gathering {
 
   [[nodiscard]] std::size_t centers() const { return centers_; }
 
-  /// Found / expected, equal at d and -d.
+  /// The ratios of found and expected counts, equal at d and -d.
   [[nodiscard]] std::vector<double> ratios() const {
     std::vector<double> result;
     for (std::size_t k = 0; k < total_.size(); ++k)
@@ -259,7 +260,7 @@ class Gathering {
   double expected_ = 0.0;
 };
 
-/// Bins on a square about the origin.
+/// Bins on a square around the origin.
 struct Bins {
   int count;
   double width;
@@ -270,7 +271,7 @@ struct Bins {
   }
 };
 
-/// One of each pair d, -d.
+/// Radial statistics over one of each pair d, -d.
 RadialStatistics radial_differentials(const std::vector<double>& ratios, const Bins& bins) {
   Annuli annuli(static_cast<std::size_t>(bins.count / 2));
   auto ratio = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
@@ -283,7 +284,8 @@ RadialStatistics radial_differentials(const std::vector<double>& ratios, const B
 using Row = Eigen::RowVectorXd;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// What to transform: ratio - 1, faded out toward the radius (a sharp end would ring).
+/// The function to transform: ratio - 1, faded out toward the radius, because a sharp end would
+/// cause ringing.
 Rows faded(const std::vector<double>& ratios, const Bins& bins, double radius) {
   Rows result(bins.count, bins.count);
   auto ratio = ratios.begin();
@@ -296,7 +298,8 @@ Rows faded(const std::vector<double>& ratios, const Bins& bins, double radius) {
   return result;
 }
 
-/// Each sum in the order of its terms: Eigen's products add as the processor's caches suggest.
+/// A matrix product whose sums are computed in a fixed order, because Eigen's products choose an
+/// order by the processor's caches.
 Row product(const Row& left, const Rows& right) {
   Row sum = Row::Zero(right.cols());
   for (Eigen::Index k = 0; k < right.rows(); ++k) sum += left[k] * right.row(k);
@@ -318,8 +321,9 @@ struct Waves {
   }
 };
 
-/// 1 + number of sites in a squared spacing * Fourier transform; `step` in cycles per spacing. The
-/// transform of what is equal at d and -d is real: cos x cos y - sin x sin y, one axis at a time.
+/// 1 + number of sites in a squared spacing * Fourier transform; `step` in cycles per spacing.
+/// Values that are equal at d and -d have a real transform: cos x cos y - sin x sin y, computed one
+/// axis at a time.
 std::vector<double> transformed(const Rows& values, const Bins& bins, int half_width, double step,
                                 Context* context) {
   const Waves waves(bins, half_width, step);

@@ -18,20 +18,20 @@
 namespace dapple {
 namespace {
 
-// Random sequential packing jams at 0.776 of the hexagonal spacing; the last darts before that take
-// very long.
+// Random sequential packing ends at 0.776 of the hexagonal spacing, and the last darts before that
+// take very long.
 constexpr double kFirstRadius = 0.76;
 constexpr double kShrink = 0.96;
-constexpr std::size_t kPatience = 4;         // darts per wanted sample at one radius
-constexpr double kFillingTime = 4.0;         // filled to x takes as long as x to this power
-constexpr std::size_t kLeastBatch = 64;      // darts thrown together
-constexpr std::size_t kLargestBatch = 8192;  // it may take 10 ms
-constexpr std::size_t kGrain = 256;          // of them, in one piece of parallel work
-constexpr double kUnion = 0.85;              // distance to any class, in the spacing of all
-constexpr double kSizesYield = 0.4;          // fraction below which the discs' own radii shrink too
+constexpr std::size_t kPatience = 4;     // darts per wanted sample at one radius
+constexpr double kFillingTime = 4.0;     // the time to fill a share x grows like x to this power
+constexpr std::size_t kLeastBatch = 64;  // darts thrown together, at least
+constexpr std::size_t kLargestBatch = 8192;  // at most; a batch may take 10 ms
+constexpr std::size_t kGrain = 256;          // darts per chunk
+constexpr double kUnion = 0.85;      // distance to darts of any class, in spacings of the union
+constexpr double kSizesYield = 0.4;  // fraction of the first radius below which discs shrink too
 
-/// Where `count` points have the density n phi / capacity, their hexagonal spacing is
-/// sqrt(2 capacity / (sqrt(3) n phi)): this at phi = 1.
+/// Points with the density n phi / capacity have the hexagonal spacing sqrt(2 capacity / (sqrt(3) n
+/// phi)); this is its value at phi = 1.
 double spacing_at_1(const Surface& surface, std::size_t count) {
   return surface.spacing(count) * std::sqrt(surface.capacity() / surface.area());
 }
@@ -44,8 +44,8 @@ std::vector<Dart> darts_at(const Surface& surface, const Sites& sites) {
   return result;
 }
 
-/// Append the darts of a class: locked ones first, the others in an order in space, so that
-/// neighbors are close in memory during the optimization and later.
+/// Append the darts of a class: locked ones first, the others in spatial order, so that neighbors
+/// are close in memory.
 void add(const ClassStart& wanted, std::span<const Dart> darts, Sites& sites) {
   const std::size_t first = wanted.locked.size();
   std::vector<Vec3> thrown;
@@ -80,8 +80,8 @@ struct ClassDarts {
   const ClassStart* start;
   std::vector<Dart> darts;
   DartBoard board;
-  DartSet near;    // of its own class
-  DartGrid discs;  // its darts as discs of its radius
+  DartSet near;    // darts of the same class
+  DartGrid discs;  // the darts as discs of the class's radius
   double spacing;
 };
 
@@ -120,13 +120,13 @@ class Throwing {
 
  private:
   struct Drawn {
-    Random before{0};  // the random state before this draw, and after it
+    Random before{0};  // the random state before this draw
     DartBoard::Draw draw{};
     Dart dart{};
     bool refused = false;
   };
 
-  /// Classes of equal radius together, the largest first.
+  /// The classes grouped by radius, the largest first.
   std::vector<std::vector<ClassDarts*>> by_size() {
     std::vector<ClassDarts*> sorted;
     for (ClassDarts& members : classes_)
@@ -175,8 +175,8 @@ class Throwing {
     }
   }
 
-  /// Where a component may be thinner than the spacing, its darts keep apart by a distance that is
-  /// nothing along it.
+  /// Place the darts of components that may be thinner than the spacing at equal distances along
+  /// them, because their minimum distance is too small to make random darts even there.
   void lay_along() {
     Random random(starts_.seed);
     for (std::size_t c = 0; c < classes_.size(); ++c) {
@@ -196,7 +196,7 @@ class Throwing {
   }
 
   /// Throw at most `most` darts and return their number. If classes take turns, the class of the
-  /// next dart depends on the fate of the last one.
+  /// next dart depends on whether the last one was kept.
   std::size_t throw_some(const std::vector<ClassDarts*>& group, double fraction, std::size_t most) {
     if (group.size() == 1) return throw_batch(*group[0], fraction, most);
     most = std::min(most, kLeastBatch);
@@ -211,8 +211,9 @@ class Throwing {
     return most;
   }
 
-  /// The result is the same as with one dart at a time. Darts that earlier ones refuse, which most
-  /// are, are found in parallel. The others are then compared with those kept from the batch.
+  /// The result is the same as with one dart at a time. Most darts are refused because of earlier
+  /// ones; these are found in parallel. The others are then compared with those kept from the
+  /// batch.
   std::size_t throw_batch(ClassDarts& members, double fraction, std::size_t most) {
     draw(members, std::min(most, batch_));
     test(members, fraction);
@@ -224,7 +225,7 @@ class Throwing {
       keep(members, drawn.dart, fraction);
       fresh_.insert(drawn.dart, own_radius(members, drawn.dart, fraction));
       if (!closed && !members.full()) continue;
-      // Later draws came from a board that has changed.
+      // Later draws are invalid because the board has changed.
       if (k + 1 < drawn_.size()) random_ = drawn_[k + 1].before;
       batch_ = std::max(k + 1, kLeastBatch);
       return k + 1;
@@ -242,7 +243,8 @@ class Throwing {
     }
   }
 
-  /// If no draw is rejected, the random state of each is known. False if one was rejected.
+  /// Draw in parallel. The random state of each draw is known unless a draw is rejected. Returns
+  /// false if one was rejected.
   bool draw_at_once(const ClassDarts& members) {
     constexpr std::uint64_t kNumbers = DartBoard::kNumbers;
     std::atomic<bool> rejected = false;
@@ -275,15 +277,15 @@ class Throwing {
     return dart_at(*members.start->surface, draw.face, draw.weights);
   }
 
-  /// Whether a dart is refused by darts of its class, all or those kept from the batch, or by
-  /// others.
+  /// Whether a dart is too close to other darts. `own` holds the darts of its class, all of them or
+  /// those kept from the batch.
   [[nodiscard]] bool is_refused(const DartSet& own, const ClassDarts& members, const Dart& dart,
                                 double fraction) const {
     return own.refuses(dart, own_radius(members, dart, fraction)) ||
            is_refused_by_others(members, dart, fraction);
   }
 
-  /// Whether it is refused by other classes, or by all classes together.
+  /// Whether a dart is too close to darts of other classes or of the union.
   [[nodiscard]] bool is_refused_by_others(const ClassDarts& members, const Dart& dart,
                                           double fraction) const {
     if (many() && any_.refuses(dart, union_radius(dart, fraction))) return true;
@@ -296,13 +298,13 @@ class Throwing {
   }
 
   void note(ClassDarts& members, const Dart& dart, double fraction) {
-    if (!(dart.density > 0.0)) return;  // a locked site outside the density
+    if (!(dart.density > 0.0)) return;  // a locked site where there is no density
     members.near.insert(dart, own_radius(members, dart, fraction));
     if (many()) any_.insert(dart, union_radius(dart, fraction));
     if (members.start->radius > 0.0) members.discs.insert(dart, members.start->radius);
   }
 
-  // All discs in the grid are at least as large, so a cell of twice its radius is wide enough.
+  // All discs in the grid are at least as large, so cells of twice their radius are wide enough.
   [[nodiscard]] bool overlaps(const ClassDarts& members, const Dart& dart, double yield) const {
     const double own = members.start->radius;
     const auto reach = [&](const DartGrid::Member& other) {
@@ -329,11 +331,11 @@ class Throwing {
   const ClassStarts& starts_;
   Context* context_;
   Random random_;
-  std::vector<Drawn> drawn_;  // a batch
+  std::vector<Drawn> drawn_;  // draws of the current batch
   std::size_t batch_ = kLeastBatch;
   std::vector<ClassDarts> classes_;
-  DartSet fresh_;  // that the batch has kept so far
-  DartSet any_;    // of all classes
+  DartSet fresh_;  // darts that the batch has kept so far
+  DartSet any_;    // darts of all classes
   double spacing_;
   std::size_t count_ = 0;
   std::size_t along_ = 0;  // darts on thin parts

@@ -11,7 +11,7 @@ namespace dapple {
 namespace {
 
 /// The quotas that remain after some darts are placed. If an island holds more than its quota, the
-/// others give up places, the largest quota first.
+/// quotas of others are reduced, the largest first.
 void subtract(std::vector<std::size_t>& quotas, const std::vector<std::size_t>& taken) {
   std::size_t owed = 0;
   for (std::size_t k = 0; k < quotas.size(); ++k) {
@@ -42,8 +42,8 @@ DartBoard::Draw DartBoard::draw(Random& random) const {
   }
 }
 
-// The first face whose cumulative capacity lies above: a binary search would miss the cache at each
-// of its steps.
+// The first face whose cumulative capacity is larger. A guide table is used, because a binary
+// search would cause a cache miss at each step.
 std::size_t DartBoard::face_at(double capacity) const {
   const std::size_t last = cumulative_.size() - 1;
   const double part = capacity / cumulative_.back() * static_cast<double>(guide_.size());
@@ -79,8 +79,8 @@ void DartBoard::sum_up() {
   }
 }
 
-// Uniform on the face, then accepted in proportion to the density: at least a third is, since it is
-// linear.
+// Points are uniform on the face and accepted in proportion to the density. At least a third is
+// accepted, because the density is linear.
 DartBoard::Draw DartBoard::draw_on(OrderedFace face, Random& random) const {
   const Vec3 values = surface_->ordered().densities(face);
   while (true) {

@@ -6,7 +6,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kCells = 0x1p62;   // numbers of cells along an axis
+constexpr double kCells = 0x1p62;   // most cells along an axis
 constexpr double kSlack = 0x1p-50;  // of a position in cells: larger than its rounding error
 
 }  // namespace
@@ -47,7 +47,8 @@ void DartGrid::enter_buckets(std::vector<Walk>& walks) const {
   walks.resize(left);
 }
 
-// Far out the numbers of cells wrap: two cells may have the same number, as in a bucket.
+// Far from the origin the numbers of cells wrap around, so that two cells may have the same number;
+// this is harmless, as in a hash table.
 DartGrid::Address DartGrid::address(const Vec3& p) const {
   const auto along = [&](double x) {
     double cell = std::floor(x / cell_);

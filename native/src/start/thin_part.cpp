@@ -18,23 +18,23 @@
 namespace dapple {
 namespace {
 
-constexpr double kNarrow = 3.2;  // spacings around a body that is thin: a rope of that diameter
-constexpr double kLong = 5.0;    // length relative to the circumference
-constexpr double kWide = 0.02;   // share of the density that may be in wider slabs: ends and knots
-constexpr double kFirstSlabs = 64.0;    // to find how long all branches are together ...
-constexpr double kSlabs = 4.0;          // ... and then for each point
-constexpr double kMostPieces = 0x1p24;  // pieces of faces, beyond which it is not tried
-constexpr std::size_t kSpur = 8;        // slabs of a dead end that is visited first
-constexpr int kTries = 8;  // candidates in a slab; the one farthest from the last places is taken
-constexpr std::size_t kLast = 12;   // of those
-constexpr double kAround = 4.0;     // spacings, within which ...
-constexpr double kCrowd = 40.0;     // ... fewer darts tell of a thin body: a plane has 58
+constexpr double kNarrow = 3.2;       // spacings: largest circumference of a thin body
+constexpr double kLong = 5.0;         // length relative to the circumference
+constexpr double kWide = 0.02;        // share of the density in wider slabs, such as ends and knots
+constexpr double kFirstSlabs = 64.0;  // slabs to measure the total length of all branches
+constexpr double kSlabs = 4.0;        // slabs per point
+constexpr double kMostPieces = 0x1p24;  // most pieces of faces; with more, it is not tried
+constexpr std::size_t kSpur = 8;        // most slabs of a dead end that is visited first
+constexpr int kTries = 8;  // candidates in a slab; the one farthest from the last ones is taken
+constexpr std::size_t kLast = 12;   // number of last positions
+constexpr double kAround = 4.0;     // spacings within which darts are counted
+constexpr double kCrowd = 40.0;     // fewer darts indicate a thin body: on a plane there are 58
 constexpr std::size_t kAsked = 32;  // darts of a component whose neighbors are counted
 
 /// The part of a triangle where a linear function is between two levels, in barycentric
 /// coordinates.
 struct Slice {
-  double share = 0.0;  // of the area
+  double share = 0.0;  // share of the area
   Vec3 centroid = Vec3::Zero();
 };
 
@@ -47,7 +47,7 @@ struct Place {
   Vec3 position;
 };
 
-/// Keep where sign * (value - level) >= 0.
+/// Keep the part where sign * (value - level) >= 0.
 Corners cut(const Corners& polygon, const Vec3& values, double level, double sign) {
   Corners result;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -67,7 +67,7 @@ Slice slice(const Vec3& values, double low, double high) {
   Slice result;
   for (std::size_t k = 2; k < polygon.size(); ++k) {
     const Vec3 a = polygon[k - 1] - polygon[0], b = polygon[k] - polygon[0];
-    const double part = std::abs(a.x() * b.y() - a.y() * b.x());  // of the triangle's area
+    const double part = std::abs(a.x() * b.y() - a.y() * b.x());  // share of the triangle's area
     result.share += part;
     result.centroid += part / 3.0 * (polygon[0] + polygon[k - 1] + polygon[k]);
   }
@@ -75,8 +75,8 @@ Slice slice(const Vec3& values, double low, double high) {
   return result;
 }
 
-/// A component in slabs of equal distance from one end. Each connected piece of a slab is a node:
-/// the nodes of a rope form a path, those of a net a graph.
+/// A component divided into slabs by distance from one end. Each connected part of a slab is a
+/// node: the nodes of a rope form a path, those of a net form a graph.
 class Course {
  public:
   Course(const Surface& surface, std::span<const OrderedFace> faces)
@@ -92,7 +92,7 @@ class Course {
     join_vertices();
   }
 
-  /// Positions at equal shares of the density; none if the component is wide or short.
+  /// Positions that divide the density equally; none if the component is wide or short.
   std::optional<std::vector<Place>> places(std::size_t count, double phase, Random& random) {
     find_distances(random);
     if (!(length_ > 0.0) || !std::isfinite(length_)) return std::nullopt;
@@ -109,8 +109,8 @@ class Course {
   struct Node {
     std::size_t slab = 0;
     double area = 0.0, capacity = 0.0;
-    std::vector<std::size_t> pieces = {};  // of them, those with density
-    std::vector<std::size_t> beside = {};  // nodes in the next slabs
+    std::vector<std::size_t> pieces = {};  // pieces with density
+    std::vector<std::size_t> beside = {};  // nodes in adjacent slabs
     bool visited = false;
   };
   struct Visit {
@@ -123,7 +123,7 @@ class Course {
                                     vertices_.begin());
   }
 
-  /// Distances along the edges.
+  /// Compute the lengths of the edges between vertices.
   void join_vertices() {
     starts_.assign(vertices_.size() + 1, 0);
     for (const auto& corners : corners_)
@@ -144,7 +144,7 @@ class Course {
     return surface_.vertex(surface_.corners(faces_[face])[k]);
   }
 
-  /// Distances from an end, which is the vertex farthest from any other.
+  /// Compute the distances from an end, which is the farthest vertex from some other vertex.
   void find_distances(Random& random) {
     const auto count = static_cast<double>(vertices_.size());
     measure_from(static_cast<std::size_t>(random.uniform() * count));
@@ -180,7 +180,7 @@ class Course {
     return std::min(static_cast<std::size_t>(distance / height_), slabs_ - 1);
   }
 
-  /// False if that would be too many pieces.
+  /// Divide the component into slabs. Returns false if there would be too many pieces.
   bool divide(double slabs) {
     if (!(slabs < kMostPieces)) return false;
     slabs_ = std::max<std::size_t>(1, static_cast<std::size_t>(slabs));
@@ -277,7 +277,7 @@ class Course {
     if (capacity > 0.0) node.pieces.push_back(piece);
   }
 
-  /// Whether it is long and almost everywhere at most a few spacings in circumference.
+  /// Whether the component is long and its circumference almost everywhere at most a few spacings.
   [[nodiscard]] bool is_thin(std::size_t count) const {
     double all = 0.0, wide = 0.0, area = 0.0;
     for (const Node& node : nodes_) all += node.capacity;
@@ -292,7 +292,7 @@ class Course {
     return all > 0.0 && wide <= kWide * all && along * along >= kLong * area;
   }
 
-  /// All nodes, branch by branch.
+  /// Visit all nodes, branch by branch.
   void visit() {
     order_.clear();
     std::vector<std::size_t> way;
@@ -358,8 +358,8 @@ class Course {
     return result;
   }
 
-  /// A position with density in a slab, at a share of its height; among candidates, the one
-  /// farthest from the last ones taken.
+  /// A position with density in a slab, at a share of its height. Of several candidates, the one
+  /// farthest from the last positions is chosen.
   [[nodiscard]] std::optional<Place> place_in(const Node& node, double part,
                                               std::span<const Place> taken, Random& random) const {
     const double level = (static_cast<double>(node.slab) + part) * height_;
@@ -380,7 +380,7 @@ class Course {
     return best;
   }
 
-  /// The faces of a slab that reach the level; all of them if rounding leaves none.
+  /// The faces of a slab that reach the level; all of them if none does because of rounding.
   [[nodiscard]] std::vector<std::size_t> faces_at(const Node& node, double level) const {
     std::vector<std::size_t> all, there;
     for (const std::size_t p : node.pieces) {
@@ -416,22 +416,22 @@ class Course {
 
   const OrderedSurface& surface_;
   std::span<const OrderedFace> faces_;               // sorted
-  std::vector<std::int32_t> vertices_;               // welded ones, sorted
+  std::vector<std::int32_t> vertices_;               // welded vertices, sorted
   std::vector<std::array<std::size_t, 3>> corners_;  // per face, as indices of vertices_
   std::vector<std::size_t> starts_;                  // rows of edges_
   std::vector<std::pair<double, std::size_t>> edges_;
   std::vector<double> distances_;  // per vertex, from one end
-  double length_ = 0.0;            // the largest of them
+  double length_ = 0.0;            // the largest distance
   std::size_t slabs_ = 1;
-  double height_ = 0.0;                   // of one
+  double height_ = 0.0;                   // of one slab
   std::vector<std::size_t> first_piece_;  // per face and one more: pieces by face, then by slab
-  std::vector<std::size_t> parents_;      // per piece, toward the first of its node
+  std::vector<std::size_t> parents_;  // per piece, parent link toward the first piece of its node
   std::vector<std::size_t> faces_of_pieces_;
   std::vector<Node> nodes_;
   std::vector<Visit> order_;
 };
 
-/// Whether fewer darts of the component are around each than on a plane.
+/// Whether the darts of a component have fewer darts around them than on a plane.
 bool is_sparse(const std::vector<Dart*>& darts, double spacing) {
   const std::size_t step = (darts.size() + kAsked - 1) / kAsked;
   std::size_t around = 0, asked = 0;
@@ -443,7 +443,7 @@ bool is_sparse(const std::vector<Dart*>& darts, double spacing) {
   return static_cast<double>(around) < (kCrowd + 1.0) * static_cast<double>(asked);
 }
 
-/// The darts of each component that may be thin, without those where some are locked.
+/// The darts of each component that may be thin, except components with locked darts.
 std::map<std::int32_t, std::vector<Dart*>> darts_of_thin(std::vector<Dart>& darts,
                                                          std::size_t locked, double spacing) {
   std::map<std::int32_t, std::vector<Dart*>> result;

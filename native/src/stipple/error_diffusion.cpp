@@ -11,9 +11,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kBlocks = 4.0;  // to a dot
+constexpr double kBlocks = 4.0;  // blocks per dot
 
-/// The fractional number of dots of each class for every block.
+/// The fractional number of dots of each class in each block.
 class Wanted {
  public:
   Wanted(std::span<const Image> densities, std::span<const std::size_t> counts)
@@ -36,7 +36,7 @@ class Wanted {
     return std::span(values_).subspan((row * columns_ + column) * classes_, classes_);
   }
 
-  /// A random place in a block; blocks at the far borders may be smaller.
+  /// A random position in a block; blocks at the last row and column may be smaller.
   [[nodiscard]] Vec2 place(std::size_t row, std::size_t column, Random& random) const {
     const auto within = [&](std::size_t block, std::size_t limit) {
       const auto low = static_cast<double>(block * side_);
@@ -108,7 +108,8 @@ class Diffusion {
     pass_on(static_cast<std::ptrdiff_t>(row), static_cast<std::ptrdiff_t>(column), forward, lack);
   }
 
-  /// Empty blocks are skipped: errors moved there would be lost, or become dots.
+  /// Distribute an error to the following blocks. Empty blocks are skipped, because errors moved
+  /// there would be lost or become dots.
   void pass_on(std::ptrdiff_t row, std::ptrdiff_t column, std::ptrdiff_t forward,
                std::span<const double> lack) {
     struct Share {
@@ -131,8 +132,8 @@ class Diffusion {
     }
   }
 
-  /// Corrects the error that the last blocks leave: the last dots change their classes, vanish, or
-  /// get company.
+  /// Corrects the error that remains after the last blocks: the last dots change their classes or
+  /// are removed, or dots are added beside them.
   void settle_counts() {
     std::vector<std::ptrdiff_t> missing(counts_.begin(), counts_.end());
     for (const std::int32_t c : dots_.classes) --missing[static_cast<std::size_t>(c)];
@@ -167,7 +168,7 @@ class Diffusion {
   std::span<const std::size_t> counts_;
   Random random_;
   std::vector<bool> filled_;
-  std::vector<double> homeless_;  // deficits without a neighbor to take them
+  std::vector<double> homeless_;  // deficits that no neighboring block could take
   Diffused dots_;
 };
 

@@ -19,8 +19,8 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 512;  // cells a chunk
-constexpr std::size_t kSides = 7;    // of a cell: about six on average
+constexpr std::size_t kGrain = 512;  // cells per chunk
+constexpr std::size_t kSides = 7;    // per cell: the average is about six
 constexpr std::int32_t kFrame = -1;  // label of the edges along the picture's border
 
 /// Rescales the density if its values are far from 1.
@@ -71,7 +71,7 @@ void append_boundaries(const FlatPolygon& cell, const PixelIntegrals& integrals,
   }
 }
 
-/// The largest coordinate within a pixel.
+/// The largest coordinate that belongs to a pixel.
 double end_of(std::int32_t pixel, std::int32_t count) {
   const double end = pixel + 1;
   return pixel + 1 < count ? std::nextafter(end, 0.0) : end;
@@ -79,9 +79,9 @@ double end_of(std::int32_t pixel, std::int32_t count) {
 
 Vec2 flat(const Vec3& p) { return p.head<2>(); }
 
-/// The cells of some sites, one after another, with their boundaries in that order.
+/// The cells of some consecutive sites, with their boundaries in the same order.
 struct Chunk {
-  Laps laps;  // looking for neighbors
+  Laps laps;  // time of the search for neighbors
   std::vector<CellBoundary> boundaries;
 
   void integrate(const Image& density, const FlatSites& sites, std::size_t begin, std::size_t end,
@@ -177,8 +177,8 @@ Sites RasterDomain::project(std::span<const Vec3> points, std::span<const std::i
   return sites;
 }
 
-// Pixels lie on square rings around the one that holds the point; all of ring k are at least k - 1
-// away.
+// Search square rings of pixels around the pixel that contains the point; all pixels of ring k are
+// at least k - 1 away.
 Vec2 RasterDomain::nearest(const Vec2& point) const {
   const auto columns = static_cast<std::int32_t>(density_.columns);
   const auto rows = static_cast<std::int32_t>(density_.rows);
@@ -211,7 +211,7 @@ Vec2 RasterDomain::nearest(const Vec2& point) const {
 
 std::vector<bool> RasterDomain::on_border(const Sites& sites, const RestrictedVoronoi&) const {
   const FlatSites places(sites.positions, false);
-  std::vector<char> found(sites.size(), 0);  // of bool, several would share a byte
+  std::vector<char> found(sites.size(), 0);  // not bool, because several would share a byte
   parallel_chunks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     FlatCells cells(places, {Vec2::Zero(), size_});
     for (std::size_t k = begin; k < end; ++k) {

@@ -18,8 +18,8 @@
 namespace dapple {
 namespace {
 
-constexpr double kDiffused = 0.03;  // share of the progress when the errors are diffused ...
-constexpr double kAlone = 0.25;     // ... and every class is even by itself
+constexpr double kDiffused = 0.03;  // share of the progress when the errors are diffused
+constexpr double kAlone = 0.25;     // share of the progress when each class is even on its own
 constexpr double kRough = 1e-3;     // tolerance of a single class, before all are combined
 
 double sum_of(const Image& image) {
@@ -40,7 +40,7 @@ void check_shape(const std::string& name, const Image& image, const Image& first
                         ": all must be of one shape");
 }
 
-/// check_image, but an ink may be absent.
+/// Like check_image(), but an ink may be absent.
 void check_ink(const std::string& name, const Image& image) {
   if (image.values.size() == image.rows * image.columns && !image.values.empty() &&
       std::all_of(image.values.begin(), image.values.end(), [](double v) { return v == 0.0; }))
@@ -76,7 +76,7 @@ void check_counts(std::span<const Image> inks, std::size_t count,
                           ", but the picture does not contain this ink");
 }
 
-// ---- what is solved ----
+// ---- the problem ----
 
 std::vector<double> sums_of(std::span<const Image> inks) {
   std::vector<double> sums;
@@ -84,7 +84,7 @@ std::vector<double> sums_of(std::span<const Image> inks) {
   return sums;
 }
 
-/// Sum of the coverages, each scaled to its number of dots.
+/// The sum of the coverages, each scaled to its number of dots.
 Image union_of(std::span<const Image> inks, std::span<const std::size_t> counts) {
   Image all = {inks[0].rows, inks[0].columns, std::vector<double>(inks[0].values.size(), 0.0)};
   for (std::size_t c = 0; c < inks.size(); ++c) {
@@ -107,7 +107,7 @@ ClassProblem to_problem(std::span<const Image> inks, std::span<const std::size_t
   return problem;
 }
 
-/// Class by class, move each dot to where its ink is.
+/// Move each dot to the nearest pixel with its ink, class by class.
 Sites to_sites(const ClassProblem& problem, const Diffused& dots) {
   Sites sites;
   for (std::size_t c = 0; c < problem.classes.size(); ++c) {
@@ -129,15 +129,16 @@ double radius_of(std::span<const Image> inks, std::size_t count) {
   return std::sqrt(covered / (std::numbers::pi * static_cast<double>(count)));
 }
 
-/// Optimize every class alone: roughly, because the others move it again.
+/// Options for optimizing each class alone, with a larger tolerance because the other classes move
+/// it again.
 ClassOptions rough(ClassOptions options) {
   double& tolerance = options.sample.optimizer.tolerance;
   tolerance = std::max(tolerance, kRough);
   return options;
 }
 
-/// The weight of a class is its number of dots: then all dots have equal weight, and the few of a
-/// rare ink yield to the many.
+/// The weight of a class is its number of dots. Thus all dots have equal weight, and the few dots
+/// of a rare ink adapt to the many others.
 Objective to_objective(const ClassProblem& problem, const ClassOptions& options) {
   Objective objective = make_objective(problem, class_of_sites(problem), options);
   const auto classes = static_cast<double>(objective.terms.size() - 1);
@@ -200,7 +201,7 @@ Stipples stipple_inks(std::span<const Image> inks, std::size_t count, const Stip
 
 std::array<Image, kInks> separate_inks(const ColorImage& picture) {
   constexpr std::array<const char*, 3> kNames = {"red", "green", "blue"};
-  // The ink that two of the three process colors make, and the remaining one.
+  // The ink that two of the three process colors make, and the remaining process color.
   constexpr std::array<Ink, 3> kWithout = {Ink::kRed, Ink::kGreen, Ink::kBlue};
   constexpr std::array<Ink, 3> kLeftAlone = {Ink::kCyan, Ink::kMagenta, Ink::kYellow};
   for (std::size_t k = 0; k < 3; ++k) {
