@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dapple and other packages on the same meshes, judged alike; a Markdown table and a JSON file.
+"""Compare Dapple and other packages on the same meshes; write a Markdown table and a JSON file.
 
-A package that is missing, crashes, takes too long or refuses a mesh is told in its line. Run
+If a package is missing, crashes, takes too long or refuses a mesh, its line shows the reason. Run
 through benchmarks/peers/run.sh, which sets everything up first.
 """
 
@@ -29,14 +29,14 @@ from benchmarks.tracking.implicit import Array
 COUNTS, LARGE = [2000, 10_000], 100_000
 REAL = "bunny"  # by default too where there is a folder of real meshes
 FIGURES = ("alpha_min", "alpha_mean", "capacity_variation", "bond_order", "off_surface")
-HEAD = ["mesh", "asked", "by", "got", "s", "CPU s", "alpha min", "alpha mean"]
+HEAD = ["mesh", "requested", "package", "placed", "s", "CPU s", "alpha min", "alpha mean"]
 HEAD += ["variation", "psi6", "off"]
 PROBE = 300.0  # seconds for a package to be imported
 Record = dict[str, Any]
 
 
 def judge(surface: dapple.Surface, points: Array) -> Record:
-    """What the page tells about points, moved to the nearest place of the surface first."""
+    """The figures of points, after they are moved to the nearest place of the surface."""
     places = dapple.project(surface, points)
     samples = dapple.Samples(surface, places.faces, places.barycentric)
     report = dapple.analyze(surface, samples)
@@ -108,7 +108,7 @@ def report(records: list[Record], there: dict[str, str], missing: dict[str, str]
         if name in there or name in missing
     ]
     return (
-        table(["by", "version, or why it is not here", "call"], calls)
+        table(["package", "version, or why it is missing", "call"], calls)
         + "\n\n"
         + table(HEAD, map(row, records))
     )

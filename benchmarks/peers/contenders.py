@@ -63,7 +63,7 @@ def blender(bpy: Any, task: Task) -> Draw:
 
 
 def point_cloud_utils_poisson(module: Any, task: Task) -> Draw:
-    """By radius: asked for a number, it gives 1.4 times as many."""
+    """By radius: for a requested count, it gives 1.4 times as many points."""
     vertices, faces, _ = task
 
     def points(radius: float, seed: int) -> Array:  # its seed 0 is the time
