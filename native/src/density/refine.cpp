@@ -205,7 +205,7 @@ class CutMesh {
       edge(twins[k]).twin = twins[(k + 1) % twins.size()];
   }
 
-  /// The edge between two vertices among the edges of a place; it is added if it is new.
+  /// The edge between two vertices among the edges at one place; it is added if it is new.
   std::int32_t numbered(std::int32_t a, std::int32_t b, std::vector<std::int32_t>& twins) {
     const auto found = std::find_if(twins.begin(), twins.end(), [&](std::int32_t e) {
       return edge(e).ends == std::array{a, b};

@@ -12,8 +12,8 @@
 namespace dapple {
 namespace {
 
-constexpr double kCut = 0.8;       // share of the progress when all faces are cut ...
-constexpr double kFilled = 0.9;    // ... and have their density
+constexpr double kCut = 0.8;       // share of the progress when all faces are cut
+constexpr double kFilled = 0.9;    // share of the progress when they have their density
 constexpr double kPatch = 32.0;    // pixels: larger pieces are not tested pixel by pixel
 constexpr double kLinear = 1e-12;  // of the maximum: smaller second differences are rounding errors
 constexpr double kLatticeStep = 0.5;  // pixels

@@ -13,8 +13,8 @@
 namespace dapple {
 namespace {
 
-constexpr double kCut = 0.8;         // share of the progress when all faces are cut ...
-constexpr double kFilled = 0.9;      // ... and have their density
+constexpr double kCut = 0.8;         // share of the progress when all faces are cut
+constexpr double kFilled = 0.9;      // share of the progress when they have their density
 constexpr double kRounding = 1e-14;  // of the largest coordinate: error of a sample's position
 
 double largest_coordinate(const Surface& surface) {

@@ -121,7 +121,7 @@ class Joiner {
     return static_cast<std::int32_t>(patch_.points.size());
   }
 
-  /// The corners and, between two on an edge of the mesh, the points of other pieces there.
+  /// The corners and, between two corners on an edge of the mesh, the points of other pieces on it.
   [[nodiscard]] std::vector<std::int32_t> with_points_between(
       const CellPolygon& piece, std::span<const std::int32_t> corners) const {
     std::vector<std::int32_t> result;
@@ -256,8 +256,7 @@ class Union {
     for (std::int32_t& k : places_) k = gone[static_cast<std::size_t>(k)];
   }
 
-  /// A part after collapsing edges: coincident points of it are merged only if an edge connects
-  /// them.
+  /// A part after collapsing edges. Its coincident points are merged only if an edge connects them.
   [[nodiscard]] Patch part(std::size_t number, Patch patch) const {
     std::vector<std::int32_t> leader(patch.points.size());
     std::iota(leader.begin(), leader.end(), 0);

@@ -13,7 +13,7 @@ namespace dapple {
 namespace {
 
 constexpr double kFlat = 1e-6;       // radians: faces at less lie in one plane, edges in one line
-constexpr double kLongestMitre = 2;  // thicknesses
+constexpr double kLongestMitre = 2;  // in thicknesses
 
 using Corners = std::vector<std::int32_t>;
 
@@ -93,7 +93,7 @@ bool same_direction(const Vec3& a, const Vec3& b) {
   return a.dot(b) > 0.0 && a.cross(b).norm() <= kFlat * a.norm() * b.norm();
 }
 
-/// Sets of polygons that are connected and lie in one plane, each marked by its first.
+/// Sets of connected polygons in one plane, each identified by its first polygon.
 class FlatSets {
  public:
   FlatSets(const Patch& patch, const PolygonMesh& mesh)
@@ -135,7 +135,7 @@ class FlatSets {
   std::vector<std::vector<std::size_t>> sets_;
 };
 
-/// The loop around a set; empty if it has several or meets itself.
+/// The border loop of a set; empty if the set has several loops or the loop meets itself.
 Corners outline(const PolygonMesh& mesh, const FlatSets& flat,
                 std::span<const std::size_t> members) {
   std::vector<PolygonMesh::HalfedgeHandle> border;

@@ -160,7 +160,7 @@ void ClassRelaxation::run(Context* context) {
   }
 }
 
-/// The changed faces, and those of samples on density 0; all faces if only the count changes.
+/// The changed faces and the faces of samples on density 0; all faces if only the count changes.
 std::vector<OrderedFace> ClassRelaxation::faces_to_relax(const RelaxedClass& one) const {
   Indices faces = changed_;
   if (faces.empty() && one.count && *one.count != one.sites.size()) faces = all_faces(one.surface);

@@ -47,7 +47,7 @@ Together together_on(const SurfacePart& part, const Company& company) {
   return {part.surface().with_density({DensityAt::kCorners, values}), 1.0};
 }
 
-/// The samples on the part, as its sites.
+/// The samples on the part, with the part's face indices.
 Sites on_part(const SurfacePart& part, const Sites& sites) {
   std::vector<std::int32_t> inside;
   for (std::size_t k = 0; k < sites.size(); ++k)

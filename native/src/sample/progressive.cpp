@@ -184,7 +184,7 @@ class Elimination {
     }
   };
 
-  /// Removing each half takes half as long as the previous one.
+  /// Removing half of the points takes half as long as removing the half before.
   [[nodiscard]] double progress_at(std::size_t left) const {
     return 1.0 - (1.0 - kSpaced) * static_cast<double>(left) / static_cast<double>(alive_.size());
   }

@@ -143,7 +143,7 @@ std::size_t count_piled(const Surface& own, const Sites& before, const Sites& no
 }
 
 /// Whether one more site fits somewhere, or one is surplus. If new faces represent the same shape,
-/// sites stay in place, because moving one elsewhere makes it hop.
+/// sites stay in place, because moving one elsewhere would make it jump.
 bool is_unfilled(const Domain& domain, const Sites& sites, Context* context) {
   const RestrictedVoronoi diagram = domain.cells(sites, context);
   const double mean =

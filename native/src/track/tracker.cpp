@@ -21,9 +21,8 @@ namespace {
 
 constexpr int kMostParts = 16;   // parts into which the motion of a frame is split
 constexpr double kStill = 1e-9;  // motion due to rounding, relative to the size
-constexpr double kBound =
-    0.2;  // share of the progress of a new tracker when the samples are bound ...
-constexpr double kEvaluated = 0.9;  // ... and evaluated
+constexpr double kBound = 0.2;  // share of the progress of a new tracker when the samples are bound
+constexpr double kEvaluated = 0.9;  // share of it when the samples are evaluated
 constexpr double kHeld = 0.9;       // share of max_slide: a sample that slid farther was held back
 
 /// The samples bound to the surface, to which they must belong.

@@ -22,8 +22,8 @@ constexpr double kFlooded = 0.7;
 
 std::size_t chunks_of(std::size_t count) { return (count + kGrain - 1) / kGrain; }
 
-/// Reserve memory for `needed` values, estimating the total from those since `first`. Memory of an
-/// earlier run need not be cleared.
+/// Reserve memory for `needed` values, estimating the total from the values since `first`. Memory
+/// of an earlier run need not be cleared.
 template <typename T>
 void make_room(std::vector<T>& values, std::size_t first, std::size_t needed, double share) {
   if (needed <= values.size()) return;

@@ -76,8 +76,8 @@ class Propagation {
     return next;
   }
 
-  /// Label propagation: the owners of an uncovered face after those of its neighbors have
-  /// competed for it too.
+  /// A step of label propagation: the owners of an uncovered face after its neighbors' owners have
+  /// competed for it.
   SiteSet propagate(std::size_t k) {
     SiteSet neighbors;
     for_each_neighbor(uncovered_[k], [&](OrderedFace face) {

@@ -113,7 +113,7 @@ bool SiteIndex::are_off_their_faces() const {
   return sum * share > kLoose * std::sqrt(share) * all.diagonal().norm();
 }
 
-/// \param anew whether to sort the sites themselves
+/// \param anew whether to sort the sites again
 void SiteIndex::sort_in_space(bool anew) {
   if (kept_.empty()) {
     kept_.resize(sites_->size());
