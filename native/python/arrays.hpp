@@ -23,15 +23,16 @@ inline std::string shape_text(const py::array& array) {
   return text + (array.ndim() == 1 ? ",)" : ")");
 }
 
-/// The items of a sequence, held: another thread may empty it, or it may make them as it goes.
+/// The items of a sequence with references to them, because another thread may empty it, or it may
+/// create them on the fly.
 inline std::vector<py::object> items_of(const py::object& sequence) {
   std::vector<py::object> items;
   for (const py::handle item : sequence) items.push_back(py::reinterpret_borrow<py::object>(item));
   return items;
 }
 
-/// What numpy makes of the argument: rows one after another, in memory that no other thread can
-/// write to. Whatever is checked and used is this copy.
+/// The argument as a contiguous numpy array in memory that no other thread can write to. Only this
+/// copy is checked and used.
 /// \throw ArgumentError naming the argument
 inline py::array copied(const char* name, const py::object& value) {
   using Api = py::detail::npy_api;
@@ -73,7 +74,7 @@ inline DoubleArray doubles(const char* name, const py::object& value, py::ssize_
   return DoubleArray(checked_array(name, value, "fiu", columns));
 }
 
-/// Numbers of so many axes, copied.
+/// Numbers with the given number of axes, copied.
 /// \param needed the shape, for the message
 inline DoubleArray doubles_of_shape(const char* name, const py::object& value, py::ssize_t axes,
                                     const std::string& needed) {
@@ -108,7 +109,7 @@ inline IntArray integers(const char* name, const py::object& value, py::ssize_t 
   return IntArray(array);
 }
 
-/// Vectors at the corners of faces (m, 3, columns) as rows, three rows to a face; copied.
+/// Vectors at the corners of faces (m, 3, columns) as rows, three rows per face; copied.
 inline DoubleArray corner_rows(const char* name, const py::object& value, py::ssize_t columns) {
   const std::string needed = "(m, 3, " + std::to_string(columns) + ")";
   const DoubleArray array = doubles_of_shape(name, value, 3, needed);

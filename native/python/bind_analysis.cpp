@@ -38,11 +38,11 @@ inline void check_members(const SurfaceSpectrum& s) {
 namespace dapple::python {
 namespace {
 
-// Of the progress where points come instead of samples: they are bound, and of that alone, the
-// projector is made.
+// Shares of the progress if points are given instead of samples: of the whole when they are bound,
+// and of the binding when the projector is created.
 constexpr double kBound = 0.6, kTreeBuilt = 0.8;
 
-/// One set of points, or several of them in a sequence: what has as many axes as one set is one.
+/// Convert one set of points or a sequence of several; `is_one` says which it is.
 template <typename Convert>
 auto each_run(const py::object& runs, bool is_one, const Convert& convert) {
   std::vector<decltype(convert("", runs))> result;
@@ -57,7 +57,7 @@ auto each_run(const py::object& runs, bool is_one, const Convert& convert) {
   return result;
 }
 
-/// Whether a sequence holds rows of coordinates, and not sets of them.
+/// Whether a sequence contains rows of coordinates, not sets of rows.
 bool holds_rows(const py::object& runs) {
   if (py::isinstance<py::array>(runs)) return runs.cast<py::array>().ndim() != 3;
   if (!py::isinstance<py::sequence>(runs) || py::len(runs) == 0) return false;
@@ -99,7 +99,7 @@ py::array distances_of(const py::object& points) {
 
 using SamplesPtr = std::shared_ptr<Samples>;
 
-/// Samples, or points that are to be bound where the surface is nearest.
+/// Samples, or points that are bound at the nearest points of the surface.
 struct SamplesArgument {
   SamplesPtr samples;
   DoubleArray points;
@@ -140,7 +140,7 @@ std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
   const std::vector<SamplesArgument> sets = each_run(runs, is_one, samples_of);
   const SurfaceSpectrumOptions options{radius, bins, threads};
   return run(context, [&](Context* watched) {
-    Context binding(*watched, 0.0, 0.0);  // no part of the progress: they are samples as a rule
+    Context binding(*watched, 0.0, 0.0);  // no share of the progress, because samples are usual
     std::vector<SamplesPtr> own;
     std::vector<const Samples*> pointers;
     pointers.reserve(sets.size());
@@ -150,7 +150,7 @@ std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
   });
 }
 
-/// A square array that shows the object's values without copying them.
+/// A square array that is a view of the object's values.
 template <typename Class>
 auto square_property(std::vector<double> Class::*member) {
   return [member](const py::object& self) {

@@ -27,7 +27,7 @@ std::shared_ptr<Refined> image_refined(const Surface& surface, const py::object&
   });
 }
 
-/// \throw ArgumentError for a whole number that is too large for a double
+/// \throw ArgumentError for an integer that is too large for a double
 double number_of(const char* name, const py::object& value) {
   const double number = PyFloat_AsDouble(value.ptr());
   if (!PyErr_Occurred()) return number;
@@ -36,7 +36,8 @@ double number_of(const char* name, const py::object& value) {
                       ": it does not fit into 64 bits");
 }
 
-/// A number of Python or numpy, or what else can become one, but no array with an axis.
+/// Whether the value is a number of Python or numpy or converts to one; arrays with axes are not
+/// numbers.
 bool is_number(const py::object& value) {
   if (py::isinstance<py::array>(value)) return value.cast<py::array>().ndim() == 0;
   return py::hasattr(value, "__float__");
@@ -86,7 +87,7 @@ std::shared_ptr<Refined> deformed(const Refined& refined, const py::object& vert
   return run([&] { return std::make_shared<Refined>(refined.deformed(as_points(points))); });
 }
 
-/// A function of a refinement that takes samples over.
+/// Wraps a function that transfers samples through a refinement.
 template <typename Function>
 auto samples_through(const Function& function) {
   return [function](const Refined& refined, const Samples& samples) {

@@ -10,7 +10,7 @@
 
 namespace dapple {
 
-// Of the diagram Python sees these numbers of the cells alone.
+// The members of Moments that Python's diagram contains.
 inline auto members(Moments& m) { return std::tie(m.area, m.capacity, m.mass); }
 inline auto members(Energy& e) {
   return std::tie(e.total, e.cvt, e.capacity_term, e.normalized, e.gradient, e.diagram.cells);
@@ -39,7 +39,7 @@ std::shared_ptr<Energy> energy_at(const Surface& surface, const py::object& posi
   });
 }
 
-/// One number of every cell.
+/// An array of one number of every cell.
 template <typename Member>
 auto cell_property(Member Moments::*member) {
   return [member](const Energy& energy) {

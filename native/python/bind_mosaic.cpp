@@ -25,7 +25,7 @@ std::ptrdiff_t empty_tiles(const Mosaic& mosaic) {
   return std::ranges::count(mosaic.tiles, 0, &Tile::parts);
 }
 
-/// \throw what a filter of warnings makes of it
+/// \throw the exception that a warning filter raises
 void warn_of_empty_tiles(const Mosaic& mosaic, const MosaicOptions& options, double spacing) {
   const auto empty = static_cast<std::size_t>(empty_tiles(mosaic));
   if (empty == 0 || (options.grout == 0.0 && options.insets.empty())) return;

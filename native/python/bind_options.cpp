@@ -13,12 +13,12 @@ inline auto members(Row& r) {
 
 namespace {
 
-constexpr std::size_t kColumns = 120;  // of a line of documentation
-constexpr char kNoBreak = '\1';        // for a space where no line ends
+constexpr std::size_t kColumns = 120;  // longest line of documentation
+constexpr char kNoBreak = '\1';        // stands for a space without a line break
 
 std::string text_of(const Value& value) { return py::repr(py::cast(value)).cast<std::string>(); }
 
-/// Words on lines; all but the first are set in by eight.
+/// Words wrapped into lines; all but the first are indented by eight.
 std::string wrapped(const std::string& text) {
   std::string result, line = "    ";
   std::size_t from = 0;
@@ -75,7 +75,7 @@ std::vector<Row> table_of(const std::string& name) {
   return rows;
 }
 
-/// What paper_options() sets, by name.
+/// The settings of paper_options(), by name.
 py::dict paper_settings() {
   py::dict result;
   const auto plain = values_of(SampleOptions()), paper = values_of(paper_options());

@@ -31,12 +31,12 @@ std::vector<Vec2> plane_points(const char* name, const py::object& value) {
   return {first, first + array.shape(0)};
 }
 
-/// A Plane, which knows what it was made of.
+/// The arguments from which a Plane was created.
 struct PlaneMaker {
   double width = 0.0, height = 0.0;  // of a rectangle
   bool dense = false;
-  Image density = {};              // of that, if it is dense
-  std::vector<Vec2> outline = {};  // of a polygon; or empty
+  Image density = {};              // density of the rectangle, if `dense`
+  std::vector<Vec2> outline = {};  // of a polygon; empty for a rectangle
   std::vector<std::vector<Vec2>> holes = {};
 
   [[nodiscard]] Plane make() const {

@@ -54,7 +54,7 @@ const char* place_name(const Surface& surface) {
   return "vertices";
 }
 
-/// The argument `density` and where its values are; `view` is what the library takes.
+/// The argument `density` and where its values are; `view` is for the library.
 struct DensityArgument {
   DensityArgument(const py::object& density, const std::string& density_at)
       : at(place_named(density_at)) {
@@ -69,7 +69,7 @@ struct DensityArgument {
   DoubleArray values;
 };
 
-/// Normals (m, 3, 3) at the corners of faces, or none.
+/// The argument with normals (m, 3, 3) at the corners of faces, or none.
 struct NormalsArgument {
   explicit NormalsArgument(const py::object& normals) {
     if (normals.is_none()) return;
@@ -126,7 +126,7 @@ std::shared_ptr<Projection> project_points(const Surface& surface, const py::obj
       [&] { return std::make_shared<Projection>(Projector(surface).project(as_points(array))); });
 }
 
-/// Whatever the bytes of a name are.
+/// The name of an attribute; invalid bytes are replaced.
 py::object name_of(const MeshAttribute& attribute) {
   return py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
       attribute.name.data(), static_cast<py::ssize_t>(attribute.name.size()), "replace"));
@@ -178,12 +178,12 @@ void write_mesh_arrays(const std::filesystem::path& path, const py::object& vert
   });
 }
 
-/// How the faces of surfaces are connected, as an object that pickles write once for all of them.
+/// The connectivity of surfaces, as an object that a pickle of several surfaces contains once.
 struct SharedConnectivity {
   std::shared_ptr<const Connectivity> value;
 };
 
-/// The same object for the same connectivity, as long as somebody has it.
+/// The same object for the same connectivity, as long as it is in use.
 std::shared_ptr<SharedConnectivity> shared_object(std::shared_ptr<const Connectivity> value) {
   static std::unordered_map<const Connectivity*, std::weak_ptr<SharedConnectivity>> known;
   std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });

@@ -25,7 +25,7 @@ using SharedTracker = Guarded<Tracker>;
 using SharedPopulation = Guarded<Population>;
 using SharedWindowTracker = Guarded<WindowTracker>;
 
-/// What a tracker is told of the classes of its samples.
+/// The classes of its samples that a tracker receives.
 std::vector<SampleClass> wanted_classes(const Surface& surface, const py::object& classes) {
   if (classes.is_none()) return {};
   return classes_on(surface, py::sequence(classes));
@@ -81,7 +81,7 @@ std::shared_ptr<SharedPopulation> make_population(const Surface& surface, const 
   });
 }
 
-/// A frame of a body without a density that faces of its own could need.
+/// A frame with different faces; the body must not have a density.
 Surface surface_like(const Surface& before, std::span<const Vec3> vertices,
                      std::span<const Face> faces, Context* context) {
   if (!before.uniform())
@@ -220,7 +220,7 @@ std::vector<std::shared_ptr<Samples>> advance_window(SharedWindowTracker& window
              [&](Context* watched) { return shared(tracker->advance(vertices, done, watched)); });
 }
 
-/// Copies: what a sequence makes as it goes is gone once the next one is asked for.
+/// Copies of the samples, because a sequence that creates its items on the fly may drop them.
 std::vector<Samples> samples_ahead(const py::object& ahead) {
   std::vector<Samples> result;
   for (const py::object& one : items_of(ahead)) {

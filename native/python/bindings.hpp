@@ -14,14 +14,14 @@
 
 namespace dapple::python {
 
-/// A Context of Python's, which keeps what it is a part of.
+/// A Python Context, which keeps the Context that it is a part of alive.
 class SharedContext : public Context {
  public:
   SharedContext() = default;
   SharedContext(const std::shared_ptr<SharedContext>& whole, double from, double to)
       : Context(*whole, from, to), whole_(whole), depth_(whole->depth_ + 1) {}
 
-  /// How many others it is a part of, one within the other.
+  /// The number of nested Contexts that contain it.
   [[nodiscard]] int depth() const { return depth_; }
 
  private:
@@ -31,7 +31,7 @@ class SharedContext : public Context {
 
 using ContextPtr = std::shared_ptr<SharedContext>;
 
-/// A property that shows an array of the object without copying it.
+/// A property that is a view of an array of the object.
 template <typename Class, typename Member>
 auto array_property(Member Class::*member) {
   return [member](const py::object& self) { return view(self, self.cast<const Class&>().*member); };
@@ -42,8 +42,8 @@ auto array_property(Member Class::*member) {
 std::shared_ptr<Surface> with_density(const Surface& surface, const py::object& density,
                                       const std::string& density_at, const ContextPtr& context);
 
-// Each binds one subject; the order in module.cpp matters, since signatures name the types bound
-// before.
+// Each function binds one subject. Their order in module.cpp matters, because signatures contain
+// the names of types that were bound earlier.
 void bind_options(py::module_& m);
 void bind_surface(py::module_& m);
 void bind_energy(py::module_& m);

@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kLongestWait = 5s;  // at exit, for calls that were stopped
 
-// The calls that run, and whether there may be more. Changed with the GIL held.
+// The running calls, and whether new ones are refused. Both change only while the GIL is held.
 std::vector<Poll*> running;
 bool closing = false;
 
@@ -26,7 +26,8 @@ bool closing = false;
   for (;;) std::this_thread::sleep_for(1h);
 }
 
-/// Python before 3.14 ends a thread that comes back too late, and no destructor of ours could run.
+/// Python before 3.14 ends a thread that returns after the interpreter has ended, without running
+/// our destructors; such a thread waits instead.
 void take_gil(PyThreadState* state) {
 #ifdef __GLIBCXX__
   try {
@@ -90,7 +91,7 @@ void stop_calls_at_exit() {
   py::module_::import("atexit").attr("register")(py::cpp_function(stop_calls));
   const py::module_ os = py::module_::import("os");
   if (!py::hasattr(os, "register_at_fork")) return;
-  const py::cpp_function forget([] { running.clear(); });  // the child has no other threads
+  const py::cpp_function forget([] { running.clear(); });  // the child process has no other threads
   os.attr("register_at_fork")(py::arg("after_in_child") = forget);
 }
 

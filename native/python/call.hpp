@@ -11,8 +11,8 @@ namespace dapple::python {
 
 namespace py = pybind11;
 
-/// While it lives, other Python threads run. Where the interpreter has ended meanwhile, the thread
-/// of a daemon waits for the end of the process: it could not run Python any more.
+/// Releases the GIL during its lifetime. If the interpreter has ended in the meantime, a daemon
+/// thread waits for the end of the process, because it can no longer run Python.
 class WithoutGil {
  public:
   WithoutGil() : state_(PyEval_SaveThread()) {}
@@ -24,18 +24,20 @@ class WithoutGil {
   PyThreadState* state_;
 };
 
-/// One call of the library that may take long, made with the GIL held. Ctrl-C and the end of the
-/// interpreter stop it.
+/// A call of the library that may take long. It is created with the GIL held; Ctrl-C and the end of
+/// the interpreter stop it.
 class Call {
  public:
-  /// \param watched the caller's Context, or null; its cancel() stops what is not given it too
+  /// \param watched the caller's Context, or null; its cancel() also stops work that does not
+  /// receive it
   explicit Call(const std::shared_ptr<Context>& watched);
   ~Call();
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
 
-  /// What `work()` returns, done while other Python threads run.
-  /// \throw py::error_already_set for what a signal's handler raised, as KeyboardInterrupt
+  /// Calls `work()` with the GIL released and returns its result.
+  /// \throw py::error_already_set for an exception raised by a signal handler, such as
+  /// KeyboardInterrupt
   template <typename Work>
   auto run(const Work& work) {
     try {
@@ -53,12 +55,12 @@ class Call {
   void raise_interrupt();
 
   std::shared_ptr<Context> watched_;
-  bool in_main_thread_;                                // only there Python serves signals
-  py::object error_type_, error_value_, error_trace_;  // of a signal's handler
+  bool in_main_thread_;                                // Python handles signals only there
+  py::object error_type_, error_value_, error_trace_;  // raised by a signal handler
   Poll poll_;
 };
 
-/// What `work(context)` returns, see Call; it gets a Context in any case.
+/// The result of `work(context)`, see Call. The context is never null.
 /// \param watched the caller's Context, or null
 template <typename Work>
 auto run(const std::shared_ptr<Context>& watched, const Work& work) {

@@ -9,7 +9,7 @@ namespace dapple::python {
 
 namespace py = pybind11;
 
-/// A class of samples as Python gives it; what its density is belongs to, only the sampler knows.
+/// A class of samples as given in Python; the surface of its density is known only to the sampler.
 struct ClassArgument {
   std::int64_t count = 0;
   py::object density = py::none();
@@ -18,7 +18,7 @@ struct ClassArgument {
   py::object locked = py::none();  // Samples
 };
 
-/// A sequence of SampleClass or whole numbers.
+/// A sequence of SampleClass or integers.
 /// \throw ArgumentError naming the first entry that is neither
 [[nodiscard]] std::vector<ClassArgument> class_arguments(const py::sequence& classes);
 

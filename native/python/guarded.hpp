@@ -12,23 +12,23 @@ namespace dapple::python {
 
 namespace py = pybind11;
 
-/// An object that its calls change while other Python threads run: one call at a time uses it, and
-/// another is refused. Waiting could not end where a signal's handler is the other one. All of this
-/// happens with the GIL held, so a flag is enough.
+/// An object that its calls change while other Python threads run. One call at a time uses it, and
+/// another one is refused; waiting would never end if a signal handler made the other call. The GIL
+/// is held meanwhile, so a flag suffices.
 template <class Object>
 class Guarded {
  public:
   template <class... Arguments>
   explicit Guarded(Arguments&&... arguments) : object_(std::forward<Arguments>(arguments)...) {}
 
-  /// For what reads it and keeps the GIL.
+  /// For readers that keep the GIL.
   /// \throw std::runtime_error if a call is changing it
   [[nodiscard]] const Object& read() const {
     if (user_) refuse();
     return object_;
   }
 
-  /// While it lives, nobody else uses the object.
+  /// Exclusive use of the object during its lifetime.
   class Change {
    public:
     /// \throw std::runtime_error if a call is changing it

@@ -10,11 +10,11 @@
 
 namespace dapple::python {
 
-/// \throw TypeError, ArgumentError naming the argument, unless the value is one that it may have
+/// \throw TypeError, ArgumentError naming the argument, if its value is not allowed
 void read(const char* name, const Range& range, const py::handle& value, double& number);
 void read(const char* name, const Range& range, const py::handle& value, bool& flag);
 
-/// \throw TypeError naming an argument that is not what is needed
+/// \throw TypeError naming an argument of the wrong type
 [[noreturn]] void refuse_type(const std::string& name, const py::handle& value,
                               const std::string& needed);
 
@@ -42,12 +42,12 @@ void read(const char* name, const Range&, const py::handle& value, Enum& result)
   throw ArgumentError(std::string(name) + " is '" + text + "': it must be " + known);
 }
 
-/// The arguments that a verb takes by name.
+/// The keyword arguments of a verb.
 template <class Struct>
 class Keywords {
  public:
-  /// \param others names of those that are no options
-  /// \throw TypeError for a name that the verb does not know
+  /// \param others names of arguments that are not options
+  /// \throw TypeError for an unknown name
   Keywords(const Verb<Struct>& verb, const py::kwargs& given,
            std::initializer_list<const char*> others = {"context"})
       : verb_(verb), given_(given) {
@@ -60,7 +60,7 @@ class Keywords {
     }
   }
 
-  /// The defaults with what is given.
+  /// The options: the defaults with the given values.
   /// \throw TypeError, ArgumentError naming the argument
   [[nodiscard]] Struct options() const {
     Struct result;
@@ -71,12 +71,13 @@ class Keywords {
     return result;
   }
 
-  /// One that is no option; None if it is not given.
+  /// An argument that is not an option; None if it is not given.
   [[nodiscard]] py::object other(const char* name) const {
     return given_.contains(name) ? py::object(given_[name]) : py::none();
   }
 
-  /// One that is no option, as a class that is bound; null if it is None or not given.
+  /// An argument that is not an option, as an object of a bound class; null if it is None or not
+  /// given.
   /// \throw TypeError naming the argument
   template <class Class>
   [[nodiscard]] std::shared_ptr<Class> object(const char* name) const {
@@ -110,8 +111,8 @@ class Keywords {
   const py::kwargs& given_;
 };
 
-/// A documentation with {signature} and {options} put in: the options as they stand in the first
-/// line, and below "Args:".
+/// A docstring with {signature} and {options} replaced: the options as in a signature, and as a
+/// list for "Args:".
 [[nodiscard]] std::string documented(const std::vector<Row>& rows, std::string text);
 
 template <class Struct>
@@ -119,8 +120,8 @@ template <class Struct>
   return documented(rows_of(verb), text);
 }
 
-/// Bind a function whose last argument is py::kwargs; its documentation begins with its signature,
-/// which Python does not get from elsewhere.
+/// Bind a function whose last argument is py::kwargs. Its docstring begins with its signature,
+/// because Python cannot derive it.
 template <class Struct, class Function, class... Arguments>
 void def_verb(py::module_& m, const Verb<Struct>& verb, const Function& function, const char* text,
               const Arguments&... arguments) {

@@ -22,7 +22,7 @@ void bind_errors(py::module_& m) {
       "A mesh file could not be read or written.";
 }
 
-constexpr int kDeepest = 1000;  // parts within parts: each is walked through at every check
+constexpr int kDeepest = 1000;  // nested parts: all of them are visited at every check
 
 ContextPtr part_of(const ContextPtr& whole, double start, double end) {
   if (!(start >= 0.0 && start <= end && end <= 1.0))
@@ -61,7 +61,7 @@ void bind_context(py::module_& m) {
                              "Share of the work done, in [0, 1]; it never falls.");
 }
 
-/// pybind11 gives an object whose constructor was not called memory that nobody has written to.
+/// pybind11 gives an object whose constructor was not called uninitialized memory.
 void* refuse_without_value(std::size_t) {
   throw py::type_error("the object is empty because only __new__ was called: call __init__ too");
 }

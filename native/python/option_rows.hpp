@@ -11,7 +11,8 @@
 
 #include "verbs.hpp"
 
-// What Python is told of options, without Python: a program of a few lines can print it.
+// The description of options for Python. It does not depend on Python, so that a small program can
+// print it.
 
 namespace dapple::python {
 
@@ -20,11 +21,11 @@ using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::strin
 /// An option of a verb; see the members of dapple::Option.
 struct Row {
   std::string name;
-  std::string type;  ///< of Python
+  std::string type;  ///< the type in Python
   Value standard;    ///< the default
   std::optional<Value> min = {};
-  std::optional<Value> max = {};  ///< none: any that is finite
-  bool bounded = false;           ///< max is less than what its type can hold
+  std::optional<Value> max = {};  ///< none: any finite value
+  bool bounded = false;           ///< max is less than the largest value of its type
   bool open = false;
   std::vector<std::string> choices = {};
   std::string unit = {};
@@ -76,7 +77,7 @@ inline std::string short_text(const Value& value) {
   return text.str();
 }
 
-/// What an option may be, as text; nothing for a bool.
+/// The allowed values of an option as text; empty for a bool.
 inline std::string range_of(const Row& row) {
   std::string words;
   for (const std::string& choice : row.choices)

@@ -9,8 +9,8 @@
 
 #include "bindings.hpp"
 
-// How objects become plain values for pickle and copy, and come back. A struct says what it is made
-// of by an overload of members(), and what a damaged one breaks by one of check_members().
+// Conversion of objects to plain values for pickle and copy, and back. A struct lists its members
+// in an overload of members() and checks its invariants in one of check_members().
 
 namespace dapple {
 
@@ -32,7 +32,7 @@ inline auto members(Report& r) {
 
 namespace dapple::python {
 
-/// What an array of such elements holds, and how many of them each element is.
+/// The number type of an array of such elements, and how many numbers an element has.
 template <typename T>
 struct Flat {
   using Number = T;
@@ -146,7 +146,7 @@ inline void check_equal(std::size_t a, std::size_t b) {
   if (a != b) throw ArgumentError("its arrays have different lengths");
 }
 
-/// What `restore(state)` returns.
+/// The result of `restore(state)`.
 /// \throw ArgumentError naming the class
 template <typename Restore>
 auto restored_from(const py::object& state, const char* name, const Restore& restore) {
@@ -160,8 +160,8 @@ auto restored_from(const py::object& state, const char* name, const Restore& res
   }
 }
 
-/// Objects pickle, in every protocol, and are copied. Those of a class made in Python keep what it
-/// added.
+/// Make objects picklable, in every protocol, and copyable. Objects of a Python subclass keep their
+/// additional attributes.
 /// \param pack    a tuple of plain values for a const T&
 /// \param restore a T from such a tuple
 template <typename T, typename Class, typename Pack, typename Restore>
@@ -195,7 +195,7 @@ void def_pickle(Class& type, const char* name) {
       });
 }
 
-/// A __reduce_ex__ for objects that neither pickle nor are copied.
+/// A __reduce_ex__ for objects that can be neither pickled nor copied.
 /// \param why and what to do instead
 inline auto refusal(const char* why) {
   return [why](const py::object& self, const py::object&) -> py::object {

@@ -10,14 +10,14 @@
 
 namespace dapple::python {
 
-/// A function of the package, or a class that is made with options: those of a struct.
+/// A function of the package, or a class, whose options are those of a struct.
 template <class Struct>
 struct Verb {
   using Names = std::array<std::string_view, 3>;
 
   const char* name;
-  Names without = {};  ///< options of the struct that mean nothing to it
-  Names only = {};     ///< not empty: it takes no others
+  Names without = {};  ///< options of the struct that it does not have
+  Names only = {};     ///< if not empty, its only options
 
   [[nodiscard]] constexpr bool takes(std::string_view option, Level level) const {
     const auto is_in = [&](const Names& names) {
@@ -27,7 +27,7 @@ struct Verb {
   }
 };
 
-// Samples at rest have no start to stay at.
+// max_slide and stickiness keep samples near their previous positions, which only trackers need.
 inline constexpr Verb<SampleOptions> kSample = {"sample", {"max_slide", "stickiness"}};
 inline constexpr Verb<ResampleOptions> kResample = {"resample", kSample.without};
 inline constexpr Verb<RelaxOptions> kRelax = {"relax", kSample.without};

@@ -14,7 +14,7 @@ namespace dapple::python {
 
 namespace py = pybind11;
 
-/// Any whole number, of Python's or numpy's; null if the object is none.
+/// Any integer of Python or numpy; null if the object is not one.
 inline py::object whole_number(py::handle value) {
   if (!PyIndex_Check(value.ptr())) return {};
   auto number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
@@ -22,7 +22,8 @@ inline py::object whole_number(py::handle value) {
   return number;
 }
 
-/// As text; Python's own refuses thousands of digits, and nobody reads a hundred.
+/// An integer as text. Python refuses to convert thousands of digits, and a hundred digits are not
+/// useful.
 inline std::string digits_of(const py::object& number) {
   constexpr std::size_t kMost = 40;
   const py::object text = py::reinterpret_steal<py::object>(PyObject_Str(number.ptr()));
@@ -44,15 +45,15 @@ inline std::uint64_t bounded(const std::string& name, const py::object& number, 
                                             : PyLong_AsUnsignedLongLong(number.ptr()));
 }
 
-/// The name of an argument, as a parameter of a type.
+/// The name of an argument, as a template parameter.
 template <std::size_t Size>
 struct Name {
   constexpr Name(const char (&name)[Size]) { std::copy_n(name, Size, text); }  // NOLINT
   char text[Size] = {};
 };
 
-/// A whole number that Python gives for the argument of that name. pybind11 would answer one out of
-/// range with the list of its signatures; this one is refused by name and range.
+/// An integer that Python passes for the argument of that name. For a value out of range, pybind11
+/// would print the list of its signatures; this type reports the name and the range.
 template <typename T, Name Argument, std::int64_t Low, std::uint64_t High>
 struct Whole {
   T value = T();

@@ -15,8 +15,8 @@ struct BruteCell {
   std::map<std::int32_t, double> length;
 };
 
-/// Cut every face by every bisector: O(faces sites^2), nothing culled, nothing shared with the
-/// library. Of sites that coincide the first takes all.
+/// Cut every face by every bisector in O(faces sites^2), without culling and without code of the
+/// library. The first of coincident sites gets the whole cell.
 [[nodiscard]] std::vector<BruteCell> brute_force_cells(const Shape& shape,
                                                        const std::vector<Vec3>& sites);
 

@@ -5,18 +5,18 @@
 
 namespace dapple::test {
 
-/// Where a field is 0, on a lattice of so many cubes along each edge of the box [-1, 1]^3: each
-/// cube in six tetrahedra, outside where the field is above 0.
+/// The surface on which a field is 0, from a lattice of `cells` cubes along each edge of the box
+/// [-1, 1]^3. Each cube is divided into six tetrahedra; the outside is where the field is positive.
 [[nodiscard]] Shape isosurface(const std::function<double(const Vec3&)>& field, int cells);
 
-/// Two balls of radius 0.4 that are drawn together where they are near; in frame 0 and 24 they are
-/// apart, in frame 12 they are one body.
+/// Two balls of radius 0.4 that merge when they are near each other: separate in frames 0 and 24,
+/// one body in frame 12.
 [[nodiscard]] Shape metaballs(int frame, int cells);
 
-/// A bumpy ellipsoid, the same in each frame, of other triangles in each.
+/// A bumpy ellipsoid, the same in each frame but with different triangles.
 [[nodiscard]] Shape remeshed(int frame);
 
-/// A waving cloth that tears from frame 4 on, row by row, along its middle.
+/// A waving cloth that tears along its middle, row by row, from frame 4 on.
 [[nodiscard]] Shape torn_cloth(int frame, int cells);
 
 }  // namespace dapple::test

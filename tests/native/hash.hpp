@@ -11,8 +11,8 @@
 
 namespace dapple::test {
 
-/// FNV-1a in 64 bits, of whole numbers and of the bits of others, byte by byte from the lowest.
-/// Adding allocates nothing.
+/// A 64-bit FNV-1a hash of integers and of the bits of other numbers, from the lowest byte on.
+/// Adding does not allocate memory.
 class Hash {
  public:
   void add(std::uint64_t bits) {

@@ -6,30 +6,31 @@
 
 namespace dapple::test {
 
-/// What holds for every result: each sample on its face, weights >= 0 that sum to 1, unit normals,
-/// ids unique, arrays of one length, and cells that share out the whole surface and its whole
-/// density.
+/// Check the invariants of every result: each sample is on its face, weights are >= 0 and sum to 1,
+/// normals have length 1, ids are unique, arrays have equal lengths, and cells cover the whole
+/// surface and its whole density.
 /// \param rounding as for check_cells()
 void check(const Surface& surface, const Samples& samples, double rounding = 0.0);
 
-/// The part about cells: areas sum to the surface's (1e-10 relative), capacities to its mass.
-/// \param rounding area that may be missing or too much beside, where faces are so thin that the
-/// digits of their corners say no more
+/// Check the invariants of cells: areas sum to the surface's area (1e-10 relative), capacities to
+/// the integral of its density.
+/// \param rounding additional error of the area that is allowed, for faces so thin that the
+/// rounding of their corners causes it
 void check_cells(const Surface& surface, const Sites& sites, double rounding = 0.0);
 
-/// Each site is at `face`, `weights`, to rounding.
+/// Check that each site is at `face`, `weights`, up to rounding.
 void check_on_surface(const Surface& surface, const Sites& sites, const std::vector<Vec3>& weights);
 
-/// Whether the density at a point of a face is above 0. A point where a face's density falls to
-/// exactly 0, such as a corner, does not count: no sample may be there, but for a locked one.
+/// Whether the density at a point of a face is above 0. A point where a face's density is exactly
+/// 0, such as a corner, does not count: only locked samples may be there.
 [[nodiscard]] bool is_where_dense(const Surface& surface, std::int32_t face, const Vec3& weights);
 
-/// No sample is where the density is 0, but for locked ones.
+/// Check that only locked samples are where the density is 0.
 /// \param locked ids of those
 void check_where_dense(const Surface& surface, const Samples& samples,
                        std::span<const std::int32_t> locked = {});
 
-/// The same bytes.
+/// Whether the vectors have the same bytes.
 [[nodiscard]] bool same_bytes(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
 [[nodiscard]] bool same_bytes(const Samples& a, const Samples& b);
 

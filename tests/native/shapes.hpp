@@ -10,8 +10,7 @@
 
 namespace dapple::test {
 
-/// A small generator of its own (PCG-XSH-RR, O'Neill 2014), so that the tests do not draw from the
-/// code they test.
+/// A small generator (PCG-XSH-RR, O'Neill 2014) that is independent of the code under test.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15u + 0x853c49e6748fea9bu) {
@@ -31,7 +30,7 @@ class Random {
   std::uint64_t state_;
 };
 
-/// Arrays of a surface, as a caller has them.
+/// The arrays of a surface, as a caller provides them.
 struct Shape {
   std::string name;
   std::vector<Vec3> vertices;
@@ -45,31 +44,32 @@ struct Shape {
   [[nodiscard]] Vec3 densities(std::int32_t face) const;  // at its corners
   [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
   [[nodiscard]] double face_area(std::int32_t face) const;
-  /// Per face whether it counts: none before it has the same corners.
+  /// Per face, whether it counts, that is, no earlier face has the same corners.
   [[nodiscard]] std::vector<bool> counted() const;
   [[nodiscard]] double area() const;      // of faces that count
   [[nodiscard]] double capacity() const;  // integral of the density
 };
 
-/// For the messages of parametrized tests.
+/// Prints a shape in messages of parametrized tests.
 void PrintTo(const Shape& shape, std::ostream* out);
 
 using DensityFunction = std::function<double(const Vec3&)>;
 
 [[nodiscard]] Shape with_density(Shape shape, const DensityFunction& density);
-/// The function at the middles of the faces.
+/// The shape with the function's values at the middles of the faces as density.
 [[nodiscard]] Shape with_face_density(Shape shape, const DensityFunction& density);
-/// The function at the corners times (1 + face % 3): it jumps at most edges.
+/// The shape with the function's values at the corners times (1 + face % 3) as density, which jumps
+/// at most edges.
 [[nodiscard]] Shape with_corner_density(Shape shape, const DensityFunction& density);
 [[nodiscard]] Shape mapped(Shape shape, const std::function<Vec3(const Vec3&)>& map);
 [[nodiscard]] Shape joined(const Shape& a, const Shape& b);
 
-/// Each face with three vertices of its own, as in an STL file.
+/// The shape with three separate vertices per face, as in an STL file.
 [[nodiscard]] Shape soup(const Shape& shape);
-/// Vertices split where faces of one shape turn by more than `degrees`, as for hard edges.
+/// The shape with vertices split at edges sharper than `degrees`, as for hard edges.
 [[nodiscard]] Shape split_edges(const Shape& shape, double degrees);
 
-// Well-behaved.
+// Well-behaved shapes.
 [[nodiscard]] Shape triangle();
 [[nodiscard]] Shape tetrahedron();
 [[nodiscard]] Shape octahedron();
@@ -80,7 +80,7 @@ using DensityFunction = std::function<double(const Vec3&)>;
 [[nodiscard]] Shape torus(int around, int tube);  // radii 1 and 0.4
 [[nodiscard]] Shape tube(int around, int along);  // open cylinder, two border loops
 
-// Trouble.
+// Difficult shapes.
 [[nodiscard]] Shape needle();  // 1 : 1e6
 [[nodiscard]] Shape two_sheets(int cells, double gap);
 [[nodiscard]] Shape two_components();
@@ -101,17 +101,17 @@ using DensityFunction = std::function<double(const Vec3&)>;
 /// density.
 [[nodiscard]] Shape random_shape(Random& random);
 
-/// Sites drawn by area, with weights that keep away from the edges or not.
+/// Random sites, uniform by area; optionally away from the edges of faces.
 [[nodiscard]] Sites random_sites(const Shape& shape, std::size_t count, Random& random,
                                  bool inner = false);
 
-/// Sites with the troubles of real input: copies of others, on vertices and on edges.
+/// Sites with the difficulties of real input: copies of others, and sites on vertices and edges.
 [[nodiscard]] Sites troubled_sites(const Shape& shape, std::size_t count, Random& random);
 
 /// A rotation about a skew axis.
 [[nodiscard]] Vec3 rotated(const Vec3& point, double angle);
 
-/// Bend and swell, growing with `time`.
+/// The vertices bent and expanded, increasingly with `time`.
 [[nodiscard]] std::vector<Vec3> deformed(const std::vector<Vec3>& vertices, double time);
 
 /// The shape's name, for the name of a parametrized test.

@@ -19,7 +19,7 @@ namespace dapple::test {
 
 [[nodiscard]] bool has_shared_mesh(const std::string& name);
 
-/// The names of the real meshes, whether they are there or not.
+/// The names of the real meshes, whether they exist or not.
 [[nodiscard]] const std::vector<std::string>& shared_mesh_names();
 
 }  // namespace dapple::test

@@ -8,7 +8,7 @@
 
 namespace dapple::test {
 
-/// The action throws an Error whose message holds all the parts.
+/// Check that the action throws an Error whose message contains all the parts.
 template <typename Error, typename Action>
 void expect_message(const Action& action, std::initializer_list<std::string> parts) {
   try {
