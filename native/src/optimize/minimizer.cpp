@@ -222,7 +222,7 @@ class Minimizer {
   double owned_ = 1.0;     // owned share of the capacity at the start, see owned_share()
   int reinsertions_ = 0;
   int full_steps_ = 0;  // in a row
-  int last_;  // last evaluation: earlier than the limit once a stuck optimization continues
+  int last_;            // last evaluation: before the limit if a stuck optimization has continued
   Minimum result_;
 };
 

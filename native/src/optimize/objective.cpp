@@ -293,8 +293,8 @@ void stick(Objective& objective, Evaluation& state, Vectors anchors, double gamm
 }
 
 // Every other site is farther from a disc's center than the disc's radius plus the smallest radius,
-// so the cell contains the hexagon around a circle of half that radius. If the smallest radius is
-// 0, points may be close together.
+// so the cell contains the hexagon around a circle with half of this distance as radius. If the
+// smallest radius is 0, points may be close together.
 void give_room(Objective& objective, Evaluation& state) {
   if (objective.discs.empty()) return;
   const double least = *std::min_element(objective.discs.begin(), objective.discs.end());

@@ -124,8 +124,7 @@ class Welder {
     settle(false, kBordersSettled, kSettled);
   }
 
-  /// The half-edges between two places if one of them is on a border and there are several, sorted
-  /// by edge.
+  /// The half-edges of edges whose two places both have a vertex on a border, sorted by edge.
   [[nodiscard]] std::vector<Side> crowded_sides() const {
     std::vector<Side> sides;
     if (places_.empty()) return sides;

@@ -206,7 +206,8 @@ Beginning on_density(const Surface& surface, const Frame& frame,
   return result;
 }
 
-/// Samples on a triangle without area may still move far away, so their positions are checked.
+/// Check that squared distances between samples are finite. A triangle without area can move its
+/// samples far away although the area of the surface is finite.
 void check_extent(const Surface& surface, const Sites& sites) {
   for (std::size_t k = 0; k < sites.size(); ++k) {
     const double far = (sites.positions[k] - sites.positions[0]).norm();

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kCut = 0.6;  // share of the progress of polygons when the cells are known
 
-/// Only connected cells are computed on a surface with separated sides.
+/// The surface with separated sides if cells are connected; otherwise the surface itself.
 Surface in_sides(const Surface& surface, std::size_t count, Cells cells) {
   const auto sided = cells == Cells::kConnected ? with_sides(surface, count) : nullptr;
   return sided ? sided->all : surface;
