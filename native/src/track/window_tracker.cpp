@@ -28,6 +28,19 @@ void check_counts(std::size_t frames, std::size_t ahead, std::size_t done) {
 
 }  // namespace
 
+std::vector<Samples> track_window(const Surface& surface, const Samples& samples,
+                                  std::span<const std::vector<Vec3>> frames,
+                                  const WindowOptions& options, Context* context) {
+  check_options(options);
+  check_frames(surface, frames);
+  std::vector<Samples> result = with_threads(options.tracker.threads, [&] {
+    const MotionStart start(surface, samples, options, context);
+    return solve_window(start, start.tracker, frames, {}, options.closed, context);
+  });
+  if (context) context->advance(1.0);
+  return result;
+}
+
 WindowTracker::WindowTracker(const Surface& surface, const Samples& samples,
                              const WindowOptions& options, Context* context)
     : start_(started(surface, samples, options, context)), present_(start_->tracker) {
