@@ -158,6 +158,8 @@ std::vector<long> up_to(long count, long step) {
 OptimizerOptions few_steps() { return {.max_evaluations = 3}; }
 SampleOptions few(int threads) { return {.optimizer = few_steps(), .threads = threads}; }
 
+ResampleOptions few_again(int threads) { return {.optimizer = few_steps(), .threads = threads}; }
+
 Prepare sampling(int threads) {
   return again([surface = two_sheets(3, 0.02).surface(), threads](Hash& hash) {
     hash.add(sample(surface, 60, few(threads)));
@@ -169,7 +171,7 @@ Prepare sampling_classes(int threads) {
     const double radius = 0.4 * surface.spacing(60);
     const std::array<SampleClass, 2> classes = {
         {{.count = 15, .radius = radius}, {.count = 45, .radius = radius}}};
-    hash.add(sample_classes(surface, classes, {.sample = few(threads), .two_stages = true}));
+    hash.add(sample_classes(surface, classes, {.two_stages = true, .sample = few(threads)}));
   });
 }
 
@@ -220,8 +222,8 @@ Samples start(const Surface& surface, std::size_t count) { return sample(surface
 Prepare resampling(int threads) {
   const Surface surface = blob(2).surface();
   return again([surface, samples = start(surface, 40), threads](Hash& hash) {
-    hash.add(resample(surface, samples, 70, few(threads)));
-    hash.add(resample(surface, samples, 25, few(threads)));
+    hash.add(resample(surface, samples, 70, few_again(threads)));
+    hash.add(resample(surface, samples, 25, few_again(threads)));
   });
 }
 
@@ -245,7 +247,7 @@ Prepare relaxing_classes(int threads) {
   const Samples samples = sample_classes(surface, classes);
   return again([surface, after, samples, classes, threads](Hash& hash) {
     hash.add(relax(after, samples, changed_faces(surface, after),
-                   {.optimizer = few_steps(), .classes = classes, .threads = threads}));
+                   {.optimizer = few_steps(), .threads = threads, .classes = classes}));
   });
 }
 
@@ -284,7 +286,7 @@ Prepare resuming(int threads) {
 
 Prepare a_population(int threads) {
   const Shape shape = blob(2);
-  PopulationOptions options{.tracker = tracking(threads), .fade = 3};
+  PopulationOptions options{.fade = 3, .tracker = tracking(threads)};
   Population fresh(shape.surface(), start(shape.surface(), 60), options);
   const auto scaled = [&](double much) {
     return mapped(shape, [&](const Vec3& p) { return Vec3(much * p.x(), p.y(), p.z()); }).vertices;
@@ -314,7 +316,7 @@ Prepare resting(int threads) {
 Prepare a_window(int threads) {
   const Shape shape = blob(2);
   const Surface surface = shape.surface();
-  WindowOptions options{.tracker = tracking(threads), .sweeps = 1, .closed = true};
+  WindowOptions options{.closed = true, .sweeps = 1, .tracker = tracking(threads)};
   const std::vector<std::vector<Vec3>> frames = {shape.vertices, deformed(shape.vertices, 0.3)};
   return again([surface, samples = start(surface, 30), frames, options](Hash& hash) {
     hash.add(track_window(surface, samples, frames, options));

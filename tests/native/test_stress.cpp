@@ -115,7 +115,8 @@ const std::vector<Work>& works() {
         return of(sample_classes(s.surface, classes, options, c).positions);
       },
       [](const Shared& s, Context* c) {
-        return of(resample(s.surface, s.samples, 95, s.options, c).positions);
+        return of(
+            resample(s.surface, s.samples, 95, {.optimizer = s.options.optimizer}, c).positions);
       },
       [](const Shared& s, Context* c) {
         std::vector<std::int32_t> faces(s.surface.face_count() / 3);
