@@ -337,7 +337,7 @@ TEST_F(MeshFile, NamesTheLineThatIsWrong) {
   refused("loop.stl", "solid\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n", "line 5");
   refused("word.stl", "solid\nvertex 0 0\n", "line 2");
   refused("cut.stl", std::string(80, 'x') + std::string("\x02\0\0\0", 4) + std::string(50, '\0'),
-          "no STL file");
+          "not an STL file");
   refused("corrupt.om", "OM", ".off, .obj, .ply and .stl");
 }
 

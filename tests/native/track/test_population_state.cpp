@@ -170,7 +170,7 @@ TEST(PopulationState, IsRefusedIfItDoesNotFit) {
   PopulationState unknown = good;
   unknown.faces_digest = 0;
   expect_message<ArgumentError>([&] { population.resume(large, before, unknown); },
-                                {"samples.positions[0] is ", "of another surface"});
+                                {"samples.positions[0] is ", "another surface"});
   EXPECT_TRUE(same_places(population.samples(), before));
 }
 

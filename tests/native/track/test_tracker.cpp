@@ -510,7 +510,7 @@ TEST(Tracker, RefusesToResumeFromAnotherSurface) {
       {"samples.faces[", "outside the surface's faces"});
   expect_message<ArgumentError>(
       [&] { tracker.resume(shape.vertices, sample(small, before.size()), true); },
-      {"samples.positions[0] is ", "away from", "of another surface"});
+      {"samples.positions[0] is ", "away from", "another surface"});
   EXPECT_TRUE(same_bytes(tracker.samples(), before));
   EXPECT_THROW(Tracker(shape.surface(), sample(small, 40)), ArgumentError);
 }
