@@ -27,8 +27,7 @@ double largest_density(const OrderedSurface& surface) {
   return largest;
 }
 
-constexpr std::size_t kGrain = 4096;  // faces per chunk
-constexpr double kConnected = 0.85;   // share of the progress before the faces are measured
+constexpr double kConnected = 0.85;  // share of the progress before the faces are measured
 
 void check_sizes(std::size_t vertices, std::size_t faces) {
   if (faces > kMostSurfaceFaces)
