@@ -138,8 +138,11 @@ class Round {
   void share_out() {
     order_ = morton_order(sites_.positions);
     std::erase_if(order_, [this](std::int32_t s) { return !is_free(static_cast<std::size_t>(s)); });
-    std::stable_sort(order_.begin(), order_.end(),
-                     [this](std::int32_t a, std::int32_t b) { return island(a) < island(b); });
+    std::vector<std::vector<std::int32_t>> by_island(islands_.count());
+    for (const std::int32_t s : order_) by_island[static_cast<std::size_t>(island(s))].push_back(s);
+    order_.clear();
+    for (const std::vector<std::int32_t>& members : by_island)
+      order_.insert(order_.end(), members.begin(), members.end());
     const std::vector<std::ptrdiff_t> held = count_held();
     const std::vector<std::ptrdiff_t> changes =
         whole_changes(all_are_free() ? lacking(held) : lacking_among_free(held));
