@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/planar_sampler.hpp>
 
-#include "base/parallel.hpp"
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
-#include "sample/solve_classes.hpp"
-#include "sample/timed_call.hpp"
+#include "sample/sampled.hpp"
 
 namespace dapple {
 namespace {
@@ -78,31 +76,22 @@ ClassProblem planar_classes(const FlatDomain& domain, std::span<const SampleClas
 PlanarSamples sample(const FlatDomain& domain, std::size_t count, const SampleOptions& options,
                      Context* context) {
   const SampleClass all{.count = count, .locked = options.locked};
-  ClassOptions of_class{.sample = options};
-  of_class.sample.locked = {};
-  return sample_classes(domain, {&all, 1}, of_class, context);
+  return sample_classes(domain, {&all, 1}, options_of_one(options), context);
 }
 
 PlanarSamples sample_classes(const FlatDomain& domain, std::span<const SampleClass> classes,
                              const ClassOptions& options, Context* context) {
-  TimedCall call(context);
-  if (context) context->check();
-  check_none_locked("sample.locked", options.sample.locked, "classes say themselves which stay");
-  PlanarSamples samples = with_threads(options.sample.threads, [&] {
-    const ClassProblem problem = planar_classes(domain, classes, options.sample.cells);
-    const ClassMinimum found = solve(problem, options, call.context());
-    const StageSpan reporting(call.context(), Stage::kReporting);
-    const Sites& sites = found.minimum.state.sites;
-    PlanarSamples result;
-    for (const Vec3& x : sites.positions) result.positions.push_back(domain.canonical(x));
-    result.classes = found.objective.classes;
-    result.report = to_report(found.objective, found.minimum, classes.size(),
-                              std::vector<Vec3>(sites.size(), Vec3::UnitZ()));
-    return result;
-  });
-  call.write(samples.report);
-  if (context) context->advance(1.0);
-  return samples;
+  return sampled(
+      options, context, [&] { return planar_classes(domain, classes, options.sample.cells); },
+      [&](const ClassMinimum& found) {
+        const Sites& sites = found.minimum.state.sites;
+        PlanarSamples result;
+        for (const Vec3& x : sites.positions) result.positions.push_back(domain.canonical(x));
+        result.classes = found.objective.classes;
+        result.report = to_report(found.objective, found.minimum, classes.size(),
+                                  std::vector<Vec3>(sites.size(), Vec3::UnitZ()));
+        return result;
+      });
 }
 
 }  // namespace dapple
