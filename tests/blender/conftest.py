@@ -26,7 +26,7 @@ import addon_host  # noqa: E402
 import following  # noqa: E402
 import pressing  # noqa: E402
 
-_status = [1]  # until the tests were run
+_status = [1]  # replaced by the result of the tests
 _TAKEN = os.environ.get("DAPPLE_TAKEN")
 
 

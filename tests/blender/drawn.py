@@ -15,12 +15,12 @@ class DrawingEngine(bpy.types.RenderEngine):
     bl_label = "Drawing"
     bl_use_gpu_context = True
     drawing, size, projection = None, (0, 0), None
-    found = None  # the picture, or why there is none
+    found = None  # the picture, or the error
 
     def render(self, depsgraph):
         try:
             DrawingEngine.found = self._picture()
-        except Exception as error:  # which Blender would only print
+        except Exception as error:  # Blender would only print it
             DrawingEngine.found = error
 
     def _picture(self):

@@ -170,9 +170,9 @@ def copy(chance):
     assert bpy.ops.dapple.copy_scatter(name=NAME) == {"FINISHED"}
     added = set(bpy.data.objects.keys()) - before
     (name,) = [one for one in added if bpy.data.objects[one].dapple.surface]
-    assert len(added) == 1 or scatter().dapple.baked_keys  # with what holds its bake
+    assert len(added) == 1 or scatter().dapple.baked_keys  # the second object holds the bake
     if chance.random() < 0.5:
-        bpy.data.objects[name].dapple.seed = 7  # it is under way when it goes
+        bpy.data.objects[name].dapple.seed = 7  # the object is renamed during the work
     assert bpy.ops.dapple.remove_scatter(name=name) == {"FINISHED"}
     assert set(bpy.data.objects.keys()) == before
 

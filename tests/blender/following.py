@@ -7,7 +7,7 @@ from contextlib import contextmanager
 import addon_host
 import bpy
 
-_PATIENCE = 120.0  # seconds after which an update must have come to its end
+_PATIENCE = 120.0  # most seconds for an update
 
 
 def long(obj):
@@ -41,7 +41,7 @@ def driven():
     watcher._leaving()
     watcher._state.schedule._clock = clock = Clock()
     pictures, glance = addon_host.part("blender.live.pictures"), 1.0
-    pictures._GLANCE = pictures._RARELY = 0.0  # look each time
+    pictures._GLANCE = pictures._RARELY = 0.0  # check at every opportunity
     try:
         yield Driver(watcher, clock)
     finally:

@@ -16,8 +16,8 @@ from typing import Any
 import bpy
 
 Story = Generator[Any, None, Any]
-_ROW = 12  # pixels between two places that are looked at
-_COLUMNS = (0.62, 0.75, 0.84, 0.3, 0.46)  # parts of the sidebar's width, its tabs included
+_ROW = 12  # pixels between two positions that are tried
+_COLUMNS = (0.62, 0.75, 0.84, 0.3, 0.46)  # shares of the sidebar's width, including its tabs
 _PATIENCE = 60.0  # seconds
 
 
@@ -25,11 +25,11 @@ class Hand:
     """What an artist does with the mouse in the 3D View and its sidebar, or its toolbar."""
 
     def __init__(self, over: Callable[[], bpy.types.Region] | None = None) -> None:
-        self.over = over or sidebar  # the region that has the buttons
-        self.columns = _COLUMNS  # where it looks there
-        self.clicks = 0  # and keys
-        self.searched = 0.0  # seconds in which it looked for buttons
-        self.seen: list[str] = []  # what it found there the last time
+        self.over = over or sidebar  # the region with the buttons
+        self.columns = _COLUMNS  # columns that are tried
+        self.clicks = 0  # and pressed keys
+        self.searched = 0.0  # seconds spent on finding buttons
+        self.seen: list[str] = []  # texts found by the last search
 
     def move(self, x: float, y: float) -> Story:
         window().event_simulate("MOUSEMOVE", "NOTHING", x=int(x), y=int(y))
@@ -48,7 +48,7 @@ class Hand:
     ) -> Story:
         """Along these places with the button held: one click."""
         yield from self.move(*places[0])
-        yield from self.move(*places[0])  # what is there is under the pointer from now on
+        yield from self.move(*places[0])  # later events go to the region under the pointer
         self._mouse("PRESS", places[0])
         yield
         for place in places:
@@ -100,7 +100,7 @@ class Hand:
             yield from self.rest()
             yield from self.click(*header)
             yield from self.rest()
-            self.clicks -= 2  # it was only looked for
+            self.clicks -= 2  # these clicks only searched
         raise LookupError(f"there is no panel with {wanted}")
 
     def rest(self) -> Story:
@@ -130,7 +130,7 @@ class Hand:
             for y in range(region.y + region.height - 20, region.y + 10, -_ROW):
                 yield from self.move(x, y)
                 if any(wanted in one for one in under_pointer(region)):
-                    yield from self.move(x, y)  # it may be the button of the place before
+                    yield from self.move(x, y)  # the pointer may still be over the previous button
                     yield
                 there = under_pointer(region)
                 self.seen += there
@@ -197,7 +197,7 @@ def viewport() -> bpy.types.Region:
 def asset_library() -> Story:
     """The current scatter, marked as an asset, is the library; a new file is open then."""
     assert bpy.ops.dapple.mark_asset() == {"FINISHED"}
-    for _ in range(200):  # Blender draws its picture meanwhile, and must not lose the file
+    for _ in range(200):  # Blender takes the picture meanwhile and must not lose the file
         yield
     folder = Path(tempfile.mkdtemp())
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "library.blend"), copy=True)

@@ -51,7 +51,7 @@ def _of_class(kind):
     settings = bpy.types.PropertyGroup | bpy.types.AddonPreferences
     if issubclass(kind, bpy.types.Operator | settings):
         own = [one for one in kind.__mro__ if one.__module__.startswith(addon_host.MODULE)]
-        for prop in rna.properties:  # Blender has the texts of its own mixins
+        for prop in rna.properties:  # Blender translates its own mixins
             if any(prop.identifier in getattr(one, "__annotations__", ()) for one in own):
                 yield from _of_property(prop)
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import addon_host
 import bpy
 
-_PATIENCE = 120.0  # seconds after which work must have come to its end
+_PATIENCE = 120.0  # most seconds for a piece of work
 
 
 @contextmanager

@@ -13,7 +13,7 @@ class ProbeEngine(bpy.types.RenderEngine):
     bl_label = "Probe"
     watched = ""  # name of a scatter object
     seen = ()
-    read = None  # what else to take from the surface and the render's depsgraph
+    read = None  # reads further values from the surface and the render's depsgraph
 
     def render(self, depsgraph):
         obj = bpy.data.objects[ProbeEngine.watched]

@@ -29,7 +29,7 @@ for name in names:
 print(len(names))
 """
 
-# With what the module of the native package is given as.
+# Values that stand for the module of the native package.
 INSTEAD_OF_DAPPLE = """
 import tempfile, types
 sys.modules["dapple3d"] = {module}
@@ -125,12 +125,12 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
     surface = re.findall(r"(merge_doubled): bool = (\w+)", package.Surface.__init__.__doc__)
     sample = dict([*found, *tracker, *surface])
     shown = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
-    assert settings.classes == ()  # a list, for sample_classes
+    assert settings.classes == ()  # sample_classes takes a list instead
     assert shown["classes"].type == "COLLECTION"
     own = shown["density"].fixed_type.properties  # terms of a density
     for field in fields(settings.density):
         value = getattr(settings.density, field.name)
-        if own[field.name].type == "POINTER":  # a data-block, in the settings by its name
+        if own[field.name].type == "POINTER":  # data-blocks are stored by name
             assert value == ""
             continue
         if own[field.name].type == "COLLECTION":
@@ -281,7 +281,7 @@ def test_a_second_enabled_copy_works_when_the_first_is_disabled(second):
     obj = scenes.scattered(scenes.sphere())
     assert type(obj.dapple).__module__.startswith(second)
     assert len(scenes.positions(obj)) == 60
-    addon_host.enable()  # now this one waits
+    addon_host.enable()  # now the registration waits
     assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60
 
 

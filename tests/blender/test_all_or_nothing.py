@@ -173,7 +173,7 @@ def subdivided():
 
 
 FIRST = {"name": "Sphere Scatter"}
-# Operator, its properties, what there is before, and the last step: a module and a name there.
+# Operator, its properties, preparation, and the last step as a module and a name in it.
 CASES = [
     ("add", {"count": 40}, scenes.sphere, "blender.steps.adding.write_solved"),
     ("add", {"count": 40}, two_objects, "blender.steps.adding.write_solved"),

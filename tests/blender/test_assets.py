@@ -26,7 +26,7 @@ from scripts import assets
 assets.main(Path(arguments[1]))
 """
 
-# Each group behind others, on an object elsewhere whose mesh has the points of a scatter.
+# Each group is placed behind others, on another object whose mesh has the points of a scatter.
 USED = """
 import json
 import numpy as np

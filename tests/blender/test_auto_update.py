@@ -15,7 +15,7 @@ from following import long, short
 @pytest.fixture
 def obj():
     made = scenes.scattered(scenes.sphere(), count=60)
-    made.dapple.auto_update_choice = "ON"  # however slow the machine is
+    made.dapple.auto_update_choice = "ON"  # on any machine, however slow
     return made
 
 
@@ -53,7 +53,7 @@ def test_a_setting_is_followed(live, obj):
 
 def test_nothing_is_solved_while_nothing_changes(live, obj):
     assert live.settle() == 0
-    obj.dapple.scale = 2.0  # instances alone
+    obj.dapple.scale = 2.0  # changes instances only
     obj.location.x = 1.0
     assert live.settle() == 0
     obj.dapple.count = 70
@@ -93,7 +93,7 @@ def grown_and_followed(live, obj):
 def test_no_pause_follows_a_stroke_or_a_move_that_has_ended(live, obj, held, monkeypatch):
     group = grown_and_followed(live, obj)
     monkeypatch.setattr(addon_host.part("blender.live.changes"), "is_using_tool", lambda: True)
-    if held:  # as by a brush
+    if held:  # like a brush stroke
         monkeypatch.setattr(live.watcher, "is_held", lambda: True)
     for first in range(0, 60, 20):
         group.add(range(first, first + 20), 0.0, "REPLACE")
@@ -114,7 +114,7 @@ def test_no_pause_follows_an_operator_that_has_ended(live, obj, monkeypatch):
     live.look()
     assert live.watcher._state.job is not None
     followed(live, obj)
-    for count in (61, 62):  # a dragged value is that of no operator
+    for count in (61, 62):  # a dragged value comes without an operator
         obj.dapple.count = count
         live.look()
         assert live.watcher._state.job is None
@@ -197,7 +197,7 @@ def test_a_painted_picture_is_followed(live, obj):
     assert live.settle() == 0
     image.pixels.foreach_set(np.linspace(0.1, 1.0, 256, dtype=np.float32))
     followed(live, obj)
-    assert live.look() is not None  # the next glance
+    assert live.look() is not None  # the next check
     obj.dapple.density.image = None
     followed(live, obj)
     assert live.look() is None
@@ -294,7 +294,7 @@ def test_a_shape_that_is_edited_at_another_frame_is_followed_where_the_points_we
     scene.frame_set(scene.frame_current + 1)
     mesh.vertices[3].co *= 1.2
     mesh.update()
-    assert live.settle() == 0  # it may move
+    assert live.settle() == 0  # the surface may move again
     assert reason(obj) == ""
     scene.frame_set(scene.frame_current - 1)
     followed(live, obj)
@@ -427,7 +427,7 @@ def test_an_undo_is_one_step_for_the_change_and_the_points_fit_again(live, obj):
     live.settle()
     bpy.ops.ed.undo_push(message="Before")
     obj.dapple.count = 90
-    bpy.ops.ed.undo_push(message="Count")  # as the interface does, before the points are there
+    bpy.ops.ed.undo_push(message="Count")  # like the interface, before the points are computed
     assert live.settle() == 1
     for undo, count in ((bpy.ops.ed.undo, 60), (bpy.ops.ed.redo, 90), (bpy.ops.ed.undo, 60)):
         undo()

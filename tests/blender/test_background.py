@@ -234,7 +234,7 @@ def test_in_edit_mode_of_another_mesh_there_is_no_step(live, obj, monkeypatch):
     scenes._activate(scenes.sphere(location=(9.0, 0.0, 0.0)))
     bpy.ops.object.mode_set(mode="EDIT")
     pushing = SimpleNamespace(undo_push=lambda message: pushed.append(message))
-    ops = SimpleNamespace(ed=pushing)  # bpy.ops makes its own anew each time
+    ops = SimpleNamespace(ed=pushing)  # bpy.ops creates its submodules anew each time
     monkeypatch.setattr(undo, "bpy", SimpleNamespace(context=bpy.context, ops=ops))
     assert live.settle() == 1
     assert pushed == []

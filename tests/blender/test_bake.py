@@ -247,7 +247,7 @@ def test_a_topology_that_changes_is_bound_again_when_asked(every):
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     table = read_baked(obj).frames
     assert table["dapple_vertices"].tolist() == [410, 410, 410, 1634, 1634, 1634]
-    assert table["dapple_span"][2] == 0  # nothing is mixed across the change
+    assert table["dapple_span"][2] == 0  # nothing is interpolated across the change
     dapple, before = addon_host.part("core.native").package(), None
     reading = addon_host.part("blender.surface.surface_mesh")
     staleness = addon_host.part("blender.status.staleness")
@@ -497,7 +497,7 @@ def test_fitted_instances_just_touch_on_every_frame(population):
         np.fill_diagonal(away, np.inf)
         share = 1.0 - away / (radii[:, None] + radii[None])
         assert share.max() < 1e-3, frame
-        if population == "KEEP_COUNT":  # those that fade are smaller than their room
+        if population == "KEEP_COUNT":  # fading points are smaller than their space
             assert (1.0 - share.max(axis=1)).min() < 1.001
 
 

@@ -94,7 +94,7 @@ def density_kept(surface, obj, bare, last, count=120):
             assert found == 0, frame
             continue
         wanted = density * area(surface)
-        assert 0.85 * wanted <= found <= 1.1 * wanted + 5, frame  # the youngest have no size yet
+        assert 0.85 * wanted <= found <= 1.1 * wanted + 5, frame  # the youngest points have size 0
         radii = np.linalg.norm(scenes.positions(obj), axis=1)
         size = np.linalg.norm(scenes.world_vertices(surface), axis=1).max()
         assert np.abs(radii - size).max() < 0.06 * size, frame
@@ -229,7 +229,7 @@ def test_metaballs_that_vanish_and_come_back():
         assert (found == 0) == (now == 0.0), frame
         if frame == 8:
             assert 0.85 * density * now <= found <= 1.15 * density * now
-    scene.frame_start = 4  # where there is none yet
+    scene.frame_start = 4  # a frame without a key
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert shown(obj, 4) == 0
     assert shown(obj, 6) > 0

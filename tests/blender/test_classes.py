@@ -154,7 +154,8 @@ def test_things_with_radii_are_kept_apart_and_the_worst_pair_is_told():
     overlap = 1.0 - distance / (radii[:, None] + radii[None])
     report = obj.dapple.report
     assert report.worst_overlap == pytest.approx(max(overlap.max(), 0.0), abs=1e-4)
-    obj.dapple.classes[0].radius = obj.dapple.classes[1].radius = 0.24  # nearly the densest
+    # almost the largest possible
+    obj.dapple.classes[0].radius = obj.dapple.classes[1].radius = 0.24
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert report.worst_overlap > 0.02
     assert bpy.ops.dapple.select_overlap() == {"FINISHED"}
@@ -237,7 +238,7 @@ def test_a_bake_keeps_classes_even_and_survives_another_class():
     assert (classes_of(obj) == before).all()
     bpy.context.scene.frame_set(4)
     baked = scenes.positions(obj)
-    bpy.ops.dapple.edit_classes(action="ADD")  # another node group: its keys are handed on
+    bpy.ops.dapple.edit_classes(action="ADD")  # another node group, which takes over the keys
     assert np.allclose(scenes.positions(obj), baked, atol=1e-6)
 
 
@@ -284,7 +285,7 @@ def worst_overlap(obj):
 
 def test_the_worst_overlap_of_a_bake_is_that_of_all_frames():
     surface = scenes.tail(frames=4)
-    for frame, size in ((1, 1.0), (2, 0.97), (4, 1.0)):  # the worst is in the middle
+    for frame, size in ((1, 1.0), (2, 0.97), (4, 1.0)):  # the largest overlap is in the middle
         surface.scale = (size, size, size)
         surface.keyframe_insert("scale", frame=frame)
     bpy.context.scene.frame_set(1)
@@ -297,7 +298,7 @@ def test_the_worst_overlap_of_a_bake_is_that_of_all_frames():
     report = obj.dapple.report
     assert report.worst_overlap == pytest.approx(max(found), abs=1e-4)
     worst = 1 + int(np.argmax(found))
-    assert 1 < worst < 4  # neither where it began nor what was computed last
+    assert 1 < worst < 4  # neither the first nor the last computed frame
     assert report.overlap_frame == worst
     assert bpy.ops.dapple.select_overlap() == {"FINISHED"}
     assert bpy.context.scene.frame_current == worst

@@ -154,7 +154,7 @@ def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
         if stopped:
             going = baking.bake_steps(bpy.context, 1, 4)
             task = next(going)
-            for _ in range(5):  # the points, and what two frames take
+            for _ in range(5):  # the points and two frames
                 task = going.send(task.call(package.Context()))
             going.close()
             assert (len(obj.data.vertices), obj.dapple.baked_keys) == (60, 0)

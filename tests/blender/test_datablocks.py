@@ -122,7 +122,7 @@ def test_a_scatter_copied_with_its_surface_sits_on_the_copy():
     expected = played(obj)
     surface, copy = duplicated(obj.dapple.surface, obj)
     assert copy.dapple.surface == stored(copy, "Surface") == surface
-    surface.location.x = 7.0  # the bones stay, and so do the points on them
+    surface.location.x = 7.0  # the bones stay in place, and so do the points on them
     bpy.data.objects["Rig"].location.x = 7.0
     assert (played(copy) - expected)[..., 0].min() > 6.9
     select(copy).count = 30

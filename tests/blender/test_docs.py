@@ -13,7 +13,7 @@ import scenes
 
 DOCS = Path(__file__).parents[2] / "docs"
 MANUAL = sorted((DOCS / "manual").glob("*.md"))
-# Of Blender itself.
+# Operators of Blender itself.
 BLENDERS_OWN = {"Compress", "Save As"}
 TEXT, OPTIONS = [(DOCS / name).read_text() for name in ("add-on.md", "options.md")]
 SCRIPTS = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)

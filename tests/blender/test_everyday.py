@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-sys.path.append(str(Path(__file__).resolve().parents[2]))  # Blender's executable does not have it
+sys.path.append(str(Path(__file__).resolve().parents[2]))  # Blender's executable does not set it
 from benchmarks.everyday import scenes
 from benchmarks.everyday.bakes import BAKES
 from benchmarks.everyday.stills import STILLS

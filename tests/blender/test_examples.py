@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 ROOT = Path(__file__).parents[2]
-DUMPS = Path(__file__).parent / "dumps"  # of these counts: python -m blend_examples.NAME --width 0
+DUMPS = Path(__file__).parent / "dumps"  # made by: python -m blend_examples.NAME --width 0
 COUNTS = {
     "meadow": 300,
     "studs": 200,

@@ -112,7 +112,7 @@ def test_another_blender_has_every_instance_in_place(tmp_path, trees, suffix):
     written = part("points").export_points(path, [trees], [1, 2, 3, 4])
     assert (written.files, written.instances, written.skewed) == ([path], 60, 0)
     for one, there in zip(imported(path, frames), expected, strict=True):
-        check_same_places(one, there, 2e-3)  # the importer takes the 16-bit orientations
+        check_same_places(one, there, 2e-3)  # the importer reads 16-bit orientations
 
 
 @pytest.mark.usefixtures("needs_gltf")

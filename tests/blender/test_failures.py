@@ -18,7 +18,7 @@ def everything():
     found["presets"] = addon_host.part("core.presets").names(
         addon_host.part("blender.steps.presets").folder()
     )
-    return repr(found)  # in which also what is not finite is the same
+    return repr(found)  # in text form NaN equals itself
 
 
 def broken(surface):

@@ -21,7 +21,7 @@ import scenes
 ROOT = Path(__file__).parents[2]
 OPENJD, FLAMENCO = (ROOT / "packaging" / "farm" / name for name in ("openjd", "flamenco"))
 FRAMES, LONG = 5, 40
-PATIENCE = 900  # seconds for a process, on a machine that has other work
+PATIENCE = 900  # seconds for a process on a busy machine
 TEMPLATES = sorted(OPENJD.glob("*.yaml"))
 
 

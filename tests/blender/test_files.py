@@ -11,7 +11,7 @@ import scenes
 
 BARE = """
 import numpy as np
-sys.modules["dapple3d"] = None  # the native package is not there either
+sys.modules["dapple3d"] = None  # hides the native package too
 bpy.ops.wm.open_mainfile(filepath=arguments[0])
 scene, found = bpy.context.scene, []
 for frame, subframe in ((1, 0.0), (4, 0.0), (4, 0.5), (9, 0.0)):

@@ -99,7 +99,7 @@ def test_blenders_own_subdivision_with_armature_and_shape_keys_needs_no_setting(
         expected = image(places, seen["surface"])
         assert np.abs(seen["positions"] - expected).max() < NEAR * spacing
         slides = max(slides, np.abs(expected - samples.positions).max() / spacing)
-    assert 0.0 < slides < 0.5  # the finer surface lies elsewhere, but near
+    assert 0.0 < slides < 0.5  # the finer surface is close to the coarse one, but not equal
 
 
 def test_between_frames_the_render_mixes_both_keys_on_its_own_surface(tracked):
@@ -205,7 +205,7 @@ def test_points_are_previewed_too():
         preview.tick()
     assert preview.note(obj) == "Points are kept even"
     assert np.abs(scenes.positions(obj) - riding).max() > 0.01
-    surface.modifiers["Subdivision"].levels = 2  # other faces: it goes on
+    surface.modifiers["Subdivision"].levels = 2  # the faces change: the work continues
     bpy.context.view_layer.update()
     preview.tick()
     assert preview.is_on(obj)
@@ -259,7 +259,8 @@ def test_bind_to_is_fulfilled_by_bake_and_is_no_complaint_any_more():
 def test_a_failed_operator_leaves_rest_position_off():
     bpy.ops.mesh.primitive_grid_add()
     surface = bpy.context.object
-    surface.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.5  # its rim has no width at rest
+    # the rim has no thickness at rest
+    surface.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.5
     obj = scenes.scattered(surface)
     obj.dapple.bind_to = "REST"
     before = scenes.snapshot()

@@ -30,7 +30,7 @@ def expect_along(ahead, normal, axis):
     clear = length > 0.2
     cosines = (ahead * along).sum(axis=1)[clear] / length[clear]
     assert clear.sum() > 60
-    assert cosines.min() > 0.999  # normals of the nodes and of ours are not quite the same
+    assert cosines.min() > 0.999  # the normals of the nodes differ slightly from ours
 
 
 @pytest.mark.parametrize(("forward", "axis"), [("X", (1, 0, 0)), ("-Z", (0, 0, -1))])

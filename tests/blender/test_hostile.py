@@ -360,7 +360,7 @@ def test_whatever_a_rest_binding_holds_a_sentence_is_said_of_it(files, name):
 
         def change(obj, way=way):
             broken(obj.data, name, REST[name], way)
-            obj.dapple.surface.modifiers["Subdivision"].levels = 2  # it is looked for again
+            obj.dapple.surface.modifiers["Subdivision"].levels = 2  # triggers another search
 
         expect_sentences(files["REST"], change)
 

@@ -206,7 +206,7 @@ def test_a_radius_follows_an_instance_that_is_edited():
 
 def test_a_radius_from_a_collection_is_that_of_its_largest_object():
     small, large = box("Small", (0.1, 0.1, 0.1)), box("Large", (0.6, 0.8, 0.1))
-    large.scale = (3.0, 3.0, 3.0)  # which is not instanced
+    large.scale = (3.0, 3.0, 3.0)  # this object is not instanced
     left, right = box("Left", (1, 1, 1), (-2.0, 0.0, 0.0)), box("Right", (1, 1, 1), (3.0, 0.0, 0.0))
     chosen = collection_of(small, large, bpy.data.objects.new("Empty", None))
     obj = with_classes(scenes.sphere(), {"collection": chosen}, {}, count=40)

@@ -150,7 +150,7 @@ def test_a_collection_is_one_surface_and_new_objects_of_it_are_asked_for():
     terrain = collection_of(left, middle)
     obj = over_collection(terrain, count=60)
     assert obj.dapple.surface.name == "Terrain Surface"
-    assert list(obj.users_collection) == [terrain]  # and is no part of its own surface
+    assert list(obj.users_collection) == [terrain]  # the object is not part of its own surface
     assert reason(obj) == ""
     before = scenes.positions(obj)
     terrain.objects.link(right)

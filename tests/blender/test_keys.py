@@ -92,8 +92,8 @@ def test_the_distance_between_keys_is_that_of_the_mixed_points(keys):
         for weights in ((1, 0, 0), (0.5, 0, 0.5), (0.5, 0.5, 0), (0, 1, 0))
     ]
     error = collected(keys, frames, every=3).error
-    # Vertices 0, 1, 2 at (0, 0), (0, 1), (1, 0): mixed at y = 1/3 and 2/3, solved at
-    # (1/2, 0) and (0, 1/2); the spacing is 1/2.
+    # Vertices 0, 1 and 2 are at (0, 0), (0, 1) and (1, 0). Values at y = 1/3 and 2/3 are
+    # interpolated, those at (1/2, 0) and (0, 1/2) are solved; the spacing is 1/2.
     first, second = 2 * np.hypot(1 / 2, 1 / 3), 2 * (2 / 3 - 1 / 2)
     assert error.largest == pytest.approx(first)
     assert error.mean == pytest.approx((first + second) / 2)
@@ -108,7 +108,7 @@ def test_keys_are_not_mixed_across_a_change_of_topology(keys):
         arrays = before if frame < 3 else after
         found.add(placed(keys, arrays, [0], (0.2, 0.3, 0.5)), arrays, arrays, 1.0)
     table = found.packed().frames
-    # 0 and 3 begin, 2 and 5 end what lies between changes.
+    # 0 and 3 are first frames of the intervals between changes, 2 and 5 are last frames.
     assert table["dapple_key"].tolist() == [0, 0, 1, 2, 2, 3]
     assert table["dapple_span"].tolist() == [2, 2, 0, 2, 2, 0]
     corners = [found.packed().binding(frame, 1)[0].corners[0].tolist() for frame in (2, 3)]

@@ -198,7 +198,7 @@ def test_an_override_is_baked_in_the_shot_and_keeps_it(library, tmp_path):
     staleness = addon_host.part("blender.status.staleness")
     assert staleness.stale_reason(obj, bpy.context) == ""
     bpy.ops.wm.open_mainfile(filepath=path)
-    assert (played(own_scatter()) == before).all()  # in its own file nothing happened
+    assert (played(own_scatter()) == before).all()  # the scatter in its own file is unchanged
 
 
 def test_an_override_is_cleared_and_tiled_in_the_shot(library, tmp_path):
@@ -261,7 +261,7 @@ def test_rest_position_of_a_linked_surface_cannot_be_turned_on(library):
 
 def test_levels_of_a_linked_surface_are_not_matched(library):
     surface = active(brought(library[0], link=True).all_objects["Tail"])
-    surface.modifiers["Subdivision"].levels = 0  # as another file may have it
+    surface.modifiers["Subdivision"].levels = 0  # another file may have changed it
     with pytest.raises(RuntimeError, match="'Tail' is linked from"):
         bpy.ops.dapple.match_subdivision()
 

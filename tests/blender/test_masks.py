@@ -252,7 +252,7 @@ def test_aspect_keeps_one_side_of_a_sphere():
     found = optimized(
         obj, use_aspect=True, aspect_to=math.radians(60), aspect_fade=math.radians(10)
     )
-    around = np.degrees(np.arctan2(found[:, 0], found[:, 1]))  # from north, to the east
+    around = np.degrees(np.arctan2(found[:, 0], found[:, 1]))  # clockwise from north
     steep = np.abs(found[:, 2]) < 0.95
     assert np.abs(around[steep]).max() < 80.0
     found = optimized(obj, aspect_direction=math.radians(90))
@@ -336,7 +336,7 @@ def another_of_the_collection(obj, curve):
 
 def given_faces(obj, curve):
     curve.location.z = 0.2
-    curve.data.bevel_depth = 0.05  # it has faces now
+    curve.data.bevel_depth = 0.05  # a bevel gives the curve faces
 
 
 CHANGES = [moved_curve, edited_curve, another_object, another_of_the_collection, given_faces]
@@ -483,7 +483,7 @@ def test_a_curve_that_moves_leaves_what_is_far_from_it(live):
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     live.settle()
     before = scenes.positions(obj)
-    sparse = obj.dapple.report.spacing / math.sqrt(0.3)  # where no curve is near
+    sparse = obj.dapple.report.spacing / math.sqrt(0.3)  # the spacing far from all curves
     near.location.x, reach = 0.1, 0.1 - 1.5 + 0.5 + 0.3 + 3 * sparse
     assert live.settle() == 1
     after = {place.tobytes() for place in scenes.positions(obj)}

@@ -63,9 +63,9 @@ def test_of_several_types_each_has_its_own(obj):
 def test_the_panel_goes_before_what_was_not_edited(obj):
     bpy.context.view_layer.update()
     group = obj.dapple
-    if hasattr(group, "bl_system_properties_get"):  # Blender 5.0 has taken values out of the group
+    if hasattr(group, "bl_system_properties_get"):  # Blender 5.0 stores values outside the group
         group = group.bl_system_properties_get(do_create=True)
-    group["scale"] = 2.0  # without telling anyone
+    group["scale"] = 2.0  # no update handler is called
     obj.update_tag()
     bpy.context.view_layer.update()
     assert obj.dapple.scale == pytest.approx(2.0)

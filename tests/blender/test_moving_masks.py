@@ -100,7 +100,7 @@ def moving_values():
 
     def at_zero(points):
         away = np.linalg.norm(points - np.array(target.matrix_world.translation), axis=1)
-        return int((away < 0.55).sum())  # faces at the border reach in by less
+        return int((away < 0.55).sum())  # faces at the border extend inward by less
 
     return {"attribute": "Near"}, at_zero
 

@@ -206,7 +206,7 @@ def test_a_bake_with_the_group_of_version_4_is_handed_on_to_the_group_of_this_on
     baked = scenes.positions(obj)
     old = obj.modifiers[0].node_group
     old[nodes.VERSION_KEY] = 4
-    old.interface.remove(old.interface.items_tree["Hidden"])  # which came later
+    old.interface.remove(old.interface.items_tree["Hidden"])  # older versions lack this input
     bpy.ops.dapple.edit_classes(action="ADD")
     assert obj.modifiers[0].node_group != old
     assert np.allclose(scenes.positions(obj), baked, atol=1e-6)
@@ -228,7 +228,7 @@ def test_things_stand_on_the_surface_or_upright_in_the_world():
     found = rotations_with(obj, align=0.5)
     to_up = np.arccos(np.clip(found[:, 2, 2], -1, 1))
     whole = np.arccos(np.clip(outward[:, 2], -1, 1))
-    side = whole < 0.9 * math.pi  # at the lower pole any way up is as near
+    side = whole < 0.9 * math.pi  # at the lower pole every direction is equally close to up
     assert np.allclose(to_up[side], 0.5 * whole[side], atol=0.05)
 
 

@@ -270,7 +270,7 @@ def test_nothing_is_asked_without_keys_or_once_it_is_answered(monkeypatch, name,
 @pytest.mark.parametrize("answer", [True, False])
 def test_discarding_frames_asks_as_it_cannot_be_undone(monkeypatch, answer):
     obj = baked()
-    obj.dapple.bake_fingerprint = ""  # as if it had been stopped
+    obj.dapple.bake_fingerprint = ""  # like a bake that was stopped
     files = addon_host.part("blender.status.workfiles").work_files(obj)
     window = Window(monkeypatch, answer)
     window.press(window.of_bakes.DAPPLE_OT_discard_bake)

@@ -175,7 +175,8 @@ def test_the_panel_goes_on_showing_the_scatter(obj):
     paint("paint_density")
     shown = test_panels.drawn()
     assert {"dapple.paint_done", "count", "auto_update"} <= set(shown)
-    if bpy.context.tool_settings.weight_paint.brush is not None:  # some Blenders have none
+    # some versions of Blender have no brush
+    if bpy.context.tool_settings.weight_paint.brush is not None:
         assert "weight" in shown
     assert "dapple.add" not in shown
     assert f"Painting the density of '{obj.name}'" in " ".join(shown)

@@ -30,7 +30,7 @@ class Layout:
 
     def icon(self, block):
         assert isinstance(block, bpy.types.ID)
-        return 0  # as where Blender has no window
+        return 0  # Blender without a window returns 0
 
     def prop(self, data, name, text=None, icon="NONE", **_):
         assert name in data.bl_rna.properties, f"{data} has no {name}"
@@ -189,7 +189,7 @@ def test_an_overlap_can_be_selected():
     assert "dapple.select_overlap" not in drawn()
     obj.dapple.report.worst_overlap = 0.25
     assert "Max overlap 25 %" in drawn()
-    obj.dapple.report.worst_overlap = 0.004  # less than the panel would say
+    obj.dapple.report.worst_overlap = 0.004  # below the limit for a warning
     assert not [text for text in drawn() if "overlap" in text]
 
 
@@ -210,7 +210,7 @@ def test_a_baked_scatter(mode):
     bpy.ops.dapple.bake()
     shown = drawn()
     assert "Baked: frames 1 to 3" in shown
-    obj.dapple.report.converged = False  # of a frame, which has a limit of its own
+    obj.dapple.report.converged = False  # frames have their own evaluation limit
     assert not [line for line in drawn() if "Max Iterations" in line]
     assert ("fade_frames" in shown) == (mode == "KEEP_DENSITY")
 

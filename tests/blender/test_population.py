@@ -54,10 +54,11 @@ def test_the_count_follows_the_area(breathing):
     _, obj = breathing
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame, size in ((1, 1.0), (5, 1.3), (FRAMES, 0.8)):
-        # On the frame on which it is born a point's fade is still 0.
+        # On the frame of its birth the fade of a point is still 0.
         there = (fades(obj, frame) > 0.0) | (fades(obj, min(frame + 1, FRAMES)) > 0.0)
         wanted = 80 * size**2
-        assert 0.97 * wanted <= there.sum() <= 1.03 * wanted + 80 * 0.35  # some still vanish
+        # some points still fade out
+        assert 0.97 * wanted <= there.sum() <= 1.03 * wanted + 80 * 0.35
 
 
 def test_points_fade_in_and_out_and_never_pop(breathing):
@@ -243,9 +244,9 @@ def test_faces_that_change_are_followed_at_a_constant_density(made):
         assert apart.max() < 1e-3
         there = fades(obj, frame) > 0.0
         if frame < 8:
-            there |= fades(obj, frame + 1) > 0.0  # born, so far without a size
+            there |= fades(obj, frame + 1) > 0.0  # born, but its size is still 0
         wanted = 300 * native.area / first_area
-        assert 0.98 * wanted - 2 <= there.sum() <= 1.02 * wanted + 30  # some still vanish
+        assert 0.98 * wanted - 2 <= there.sum() <= 1.02 * wanted + 30  # some points still fade out
     assert len(counts) > 4
     table = np.stack([fades(obj, frame) for frame in range(1, 9)])
     born_again = (np.diff((table > 0.0).astype(int), axis=0) == 1).sum(axis=0)

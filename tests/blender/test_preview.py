@@ -108,7 +108,7 @@ def test_a_render_shows_the_bake_and_solves_nothing(preview, patient, monkeypatc
         assert (probe.render(patient, 6)["positions"] == expected).all()
         assert not ticked
     preview.tick()
-    assert ticked  # the render is over
+    assert ticked  # the render has finished
 
 
 def _ticking(preview, engine):
@@ -171,7 +171,7 @@ def test_undo_keeps_or_ends_the_preview_as_it_was(preview, patient):
     bpy.context.view_layer.objects.active = obj
     assert bpy.ops.dapple.preview() == {"FINISHED"}
     assert not preview.is_on(obj)
-    bpy.ops.ed.redo()  # to where a preview was shown
+    bpy.ops.ed.redo()  # a step at which a preview was shown
     assert preview.tick() is None
     assert not [item for item in bpy.data.objects if item.name.endswith("Preview")]
 

@@ -143,7 +143,8 @@ def test_motion_blur_smears_instances_along_their_way_and_equal_renders_are_equa
     open_shutter(scene.render)
     light = picture(tmp_path / "blurred.exr")
     blurred = spread(light)
-    # Half a unit within a frame is 16 pixels: evenly spread, 16 / sqrt(12) of deviation.
+    # Half a unit of motion within a frame is 16 pixels; evenly distributed, its standard deviation
+    # is 16 / sqrt(12).
     assert np.sqrt(blurred[0] ** 2 - sharp[0] ** 2) == pytest.approx(16 / np.sqrt(12), rel=0.15)
     assert blurred[1] == pytest.approx(sharp[1], abs=0.3)
     for elsewhere in (3, 1):

@@ -64,7 +64,7 @@ def test_a_bake_goes_on_where_an_evaluation_orders_faces_otherwise(reordering):
 
 def test_a_finished_bake_is_written_though_its_first_frame_is_ordered_otherwise_now(reordering):
     obj = scenes.scattered(scenes.tail(frames=FRAMES))
-    reordering(lambda count: count > FRAMES + 2)  # all frames, and what moves
+    reordering(lambda count: count > FRAMES + 2)  # all frames and the search for motion
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert obj.dapple.baked_frames == FRAMES
 

@@ -66,7 +66,7 @@ def test_after_whatever_the_points_are_those_of_what_is_there(live, seed, tmp_pa
             change = chance.choice(EDITS)
             change(chance)
             bpy.ops.ed.undo_push(message=f"{number} {change.__name__}")
-            for _ in range(chance.randrange(30)):  # an update may be under way
+            for _ in range(chance.randrange(30)):  # an update may be running
                 live.look()
                 live.clock.now += 0.1
         if chance.random() < 0.15:

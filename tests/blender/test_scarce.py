@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import scenes
 
-# Nothing is left open that Python complains of later.
+# Nothing stays open that Python would warn of later.
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
 FRAMES = 6
 NAME = "Scales"
 BLOCK = 4096
-# Of all letters that programs stumble over; and beyond what Windows takes without being asked.
+# Letters that are difficult for programs, and paths longer than Windows accepts by default.
 ODD = "Würfel 影 — ŋ'\"&%20 🌿 "
 LONG = "long " * 30
 

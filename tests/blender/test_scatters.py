@@ -92,7 +92,7 @@ def test_a_copy_has_everything_of_its_own():
     np.testing.assert_array_equal(before, scenes.positions(obj))
     stale = addon_host.part("blender.status.staleness").stale_reason
     assert stale(copy, bpy.context) == ""
-    bpy.ops.dapple.clear_bake()  # of the original
+    bpy.ops.dapple.clear_bake()  # clears the bake of the original
     assert copy.dapple.baked_keys == 3
     np.testing.assert_array_equal(before, scenes.positions(copy))
 

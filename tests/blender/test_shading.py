@@ -129,7 +129,7 @@ SURFACES = [
     text,
     subdivided_cube,
 ]
-if bpy.app.version >= (4, 4):  # before, the nodes of Blender do not know custom normals
+if bpy.app.version >= (4, 4):  # nodes of older versions ignore custom normals
     SURFACES.append(cube_with_custom_normals)
 
 
@@ -218,7 +218,7 @@ def test_over_a_hard_edge_an_instance_turns_over_some_frames(every):
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     found = turns(obj, range(1, 13))
     assert found.max() < 12.0
-    assert found.sum(axis=0).max() > 60.0  # some do cross an edge
+    assert found.sum(axis=0).max() > 60.0  # some points cross an edge
     bpy.context.scene.frame_set(1)
     assert degrees_off(obj, surface).max() < 0.5
 
@@ -251,7 +251,8 @@ def test_the_package_is_told_the_shading_normals(make):
     arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
     ground = part("core.ground").ground_of(arrays, settings.Settings())
     told, own = ground.surface.corner_normals, part("core.frames").corner_normals(arrays)
-    np.testing.assert_allclose(told, own, atol=2e-3)  # where smooth: of other triangles
+    # equal where the surface is smooth, with other triangles
+    np.testing.assert_allclose(told, own, atol=2e-3)
 
 
 def test_a_preview_stands_along_the_shading_normal():

@@ -77,7 +77,7 @@ def test_a_file_with_any_byte_turned_is_not_taken_as_other_values(sidecar, tmp_p
     for place in range(0, len(whole), 2):
         files.path(1).write_bytes(whole[:place] + bytes([whole[place] ^ 255]) + whole[place + 1 :])
         found = files.load(1, "abc", 5, triangles())
-        if found is not None:  # a byte that says nothing, such as a date
+        if found is not None:  # some bytes, such as a date, do not matter
             assert (found.placed.binding.barycentric == expected.barycentric).all()
             assert (found.placed.binding.carry == expected.carry).all()
 
@@ -392,7 +392,7 @@ def test_a_bake_that_was_never_saved_is_taken_as_a_whole(tmp_path):
     obj = saved_scatter(path)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     expected = packed(obj)
-    obj = opened(path)  # as after a crash: the file has no keys
+    obj = opened(path)  # after a crash the file has no keys
     assert obj.dapple.baked_keys == 0
     solves = counted_solves()
     obj.dapple.key_every = 1
@@ -544,7 +544,7 @@ def test_frames_stay_when_a_copy_of_the_file_is_saved(tmp_path):
     assert not (tmp_path / "copy.dapple").exists()
     expect_to_go_on(obj, kept)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copy.blend"), copy=True)
-    assert files_of(obj).frames() == FRAMES  # the file itself has not got the bake yet
+    assert files_of(obj).frames() == FRAMES  # the file does not contain the bake yet
 
 
 def test_frames_follow_a_file_that_was_renamed_while_it_was_closed(tmp_path):

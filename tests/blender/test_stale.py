@@ -37,7 +37,7 @@ def test_changed_settings_are_named_in_panel_and_modifier(baked):
     said = "Settings were changed (Seed, Separation): bake again"
     assert reason(baked) == said
     assert scenes.node_warnings(baked) == [said]
-    assert len(scenes.positions(baked)) == 60  # told, and played all the same
+    assert len(scenes.positions(baked)) == 60  # reported as stale, but still played
     baked.dapple.repulsion_weight, baked.dapple.seed = before
     assert reason(baked) == ""
     assert scenes.node_warnings(baked) == []

@@ -105,7 +105,7 @@ def test_disabling_ends_idle_threads(steps):
         assert time.monotonic() < end
         time.sleep(0.005)
     assert not worker._free
-    finish(steps.Stepper(generator()))  # and there are new ones
+    finish(steps.Stepper(generator()))  # and new ones appear
 
 
 def test_an_error_of_the_worker_is_raised_where_it_was_asked_for(steps):

@@ -58,7 +58,8 @@ def test_a_surface_under_a_parent_that_shears_it(scale):
     bpy.context.view_layer.update()
     obj = scenes.scattered(surface)
     assert fits(surface, obj)
-    obj.parent, obj.location = surface, (1, 1, 1)  # the scatter may hang on it as well
+    # the scatter itself may be a child of the surface
+    obj.parent, obj.location = surface, (1, 1, 1)
     bpy.context.view_layer.update()
     assert fits(surface, obj)
     above.rotation_euler = (0.1, 0.2, 0.9)
@@ -295,7 +296,8 @@ def test_a_surface_that_was_deleted_is_said():
 
 def test_operators_are_off_without_a_scatter_or_a_mesh():
     named = {f"{verb}_scatter" for verb in ("copy", "remove", "select", "solo")}
-    named |= {"select_surface", "add_over_collection"}  # these are told what they are for
+    # these operators receive the objects as arguments
+    named |= {"select_surface", "add_over_collection"}
     names = sorted(set(dir(bpy.ops.dapple)) - {"add_asset_library", "remove_preset"} - named)
     assert "optimize" in names
     light = bpy.data.objects.new("Light", bpy.data.lights.new("Light", "POINT"))

@@ -170,7 +170,7 @@ def test_points_keep_off_closed_things_and_near_open_ones():
     flat = np.abs(found[:, :2] + [1, 1]).max(axis=1)
     assert away.min() > 0.4 + 0.1 - 1e-6
     assert flat.min() > 0.4 + 0.09
-    assert away.min() < 0.65  # and no farther than they need to
+    assert away.min() < 0.65  # points are no farther away than necessary
     assert obj.dapple.report.capacity_variation < 0.05
 
 

@@ -8,14 +8,14 @@ import bpy
 import messages
 import pytest
 
-WORDS = 3  # of a sentence at least
-WIDEST = 1e6  # range that is of use to somebody who drags a number
-PLAIN = {  # numbers without a unit: how many, how strong, how many times, which one
+WORDS = 3  # fewest words of a sentence
+WIDEST = 1e6  # largest range that is useful for dragging
+PLAIN = {  # numbers without a unit: counts, factors, indices
     *("count", "points_per_area", "max_evaluations", "evaluations", "noise_detail"),
     *("capacity_weight", "repulsion_weight", "stickiness", "tolerance", "share", "weight"),
     *("scale", "scale_x", "scale_y", "scale_z"),
     *("seed", "noise_seed", "id", "object_type", "class_index", "index"),
-    "preview_budget",  # in milliseconds, which Blender does not know
+    "preview_budget",  # milliseconds, a unit that Blender lacks
 }
 
 

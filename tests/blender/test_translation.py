@@ -106,15 +106,16 @@ def test_a_catalog_is_of_a_language_of_blenders_and_fills_in_the_same(locale):
 def test_what_is_shown_is_found():
     shown = messages.shown()
     expected = {
-        ("Operator", "Replace Tiles"),  # a choice in the sources
-        ("Operator", "Add Object Type"),  # a text of a button
-        ("Dapple", "Lock Selected"),  # another one, which Blender's German has the wrong way round
-        ("Operator", "Scatter Points"),  # a tool
+        ("Operator", "Replace Tiles"),  # an enum item in the sources
+        ("Operator", "Add Object Type"),  # the text of a button
+        # another one, which Blender's own German translation gets wrong
+        ("Dapple", "Lock Selected"),
+        ("Operator", "Scatter Points"),  # the name of a tool
         ("*", "Area Uniformity"),
         ("*", "Separation"),
         ("*", "{count} instance"),
         ("*", "Exact Count"),  # a heading
-        ("Dapple", "Rest Position"),  # Blender's German for it is that of Resolution
+        ("Dapple", "Rest Position"),  # Blender's German translation would be that of Resolution
         ("*", "Even without any pattern, like grass or pebbles"),
     }
     assert expected <= shown
@@ -145,7 +146,7 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
     assert not [line for line in plain if not re.fullmatch(r"[\d.,e+-]*", line)]
 
 
-# What is shown with another text, in a field, or was seen to fit.
+# Texts shown with another text or in a field, or verified to fit.
 ELSEWHERE = {
     "auto_update_choice",
     "obstacles",

@@ -230,7 +230,7 @@ def test_it_pauses_while_something_else_has_the_file(artist, obj, monkeypatch, w
     assert bpy.context.scene.frame_current == frame
     assert "pauses" in artist.work.line()
     under_way.cancel()
-    if what == "busy":  # a render is never disturbed
+    if what == "busy":  # a render is never interrupted
         for _ in range(50):
             assert under_way.tick() == under_way._PAUSED
         monkeypatch.undo()

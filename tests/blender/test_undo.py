@@ -168,7 +168,7 @@ def test_undo_is_as_before_and_redo_as_after(name, prepare, options):
     bpy.ops.ed.undo()
     assert getattr(bpy.ops.dapple, name)("EXEC_DEFAULT", True, **options) == {"FINISHED"}
     again = state()
-    for one in (after, again):  # time and the key of a new one may differ
+    for one in (after, again):  # the time and the key of a new object may differ
         for told in one.values():
             if isinstance(told, dict):
                 for shown in ("report", "solved"):
@@ -217,7 +217,7 @@ def test_undo_of_selecting_an_overlap():
     after = selected_points()
     assert len(after) == 2
     assert after != before
-    bpy.ops.ed.undo()  # the 3D cursor is no part of Blender's undo
+    bpy.ops.ed.undo()  # Blender's undo does not include the 3D cursor
     assert selected_points() == before
     bpy.ops.ed.redo()
     assert selected_points() == after

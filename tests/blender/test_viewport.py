@@ -20,7 +20,7 @@ def test_the_viewport_shows_an_even_share(share):
     obj.dapple.viewport_share = share
     places = scenes.instance_matrices(obj)[:, :3, 3]
     assert len(places) == pytest.approx(400 * share, abs=1)
-    assert spacing(places, 4 * np.pi) > 0.65  # a share by chance: 0.5
+    assert spacing(places, 4 * np.pi) > 0.65  # a random subset: 0.5
     obj.dapple.viewport_share = 0.0
     assert len(scenes.instance_matrices(obj)) == 0
 

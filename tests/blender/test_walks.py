@@ -20,7 +20,7 @@ WALKS = int(os.environ.get("DAPPLE_WALKS", "6"))
 STEPS = int(os.environ.get("DAPPLE_STEPS", "12"))
 FIRST = int(os.environ.get("DAPPLE_FIRST", "0"))
 NAME = "Sphere Scatter"
-# What only costs time, or is drawn with care below.
+# Operators that only take time, or that are tested separately below.
 _LEFT = {"count", "points_per_area", "per_area", "max_evaluations", "fade_frames", "window_sweeps"}
 _OPERATORS = (
     *("optimize", "rebind", "bake", "clear_bake", "tile", "preview", "show_density"),
@@ -46,7 +46,7 @@ def prepared():
 
 def an_operator(chance, folder):
     name = chance.choice(_OPERATORS)
-    if bpy.context.mode != "OBJECT" and chance.random() < 0.5:  # back to where more can be done
+    if bpy.context.mode != "OBJECT" and chance.random() < 0.5:  # more operators work in object mode
         name = "paint_done" if bpy.context.mode == "PAINT_WEIGHT" else "edit_points_done"
     place = tuple(chance.choice([0.0, 1.0, -1e6, 1e6, chance.uniform(-1, 1)]) for _ in range(3))
     given = {

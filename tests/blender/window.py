@@ -16,7 +16,7 @@ import scenes
 import story
 
 TICK = 0.05
-PATIENCE = 600  # ticks
+PATIENCE = 600  # most ticks
 
 
 def events():
@@ -30,7 +30,7 @@ def events():
     assert obj.dapple.baked_keys == 6
     assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
     bpy.context.scene.frame_set(3)
-    bpy.context.scene.frame_end = 5_000  # far more than there is time for
+    bpy.context.scene.frame_end = 5_000  # far more frames than there is time for
     before = scenes.snapshot()
     yield from until_idle(bpy.ops.dapple.bake, escape_after=3)
     assert scenes.snapshot() == before
@@ -80,7 +80,7 @@ def until(operator, goes_on, escape_after, **options):
             yield
             for value in ("PRESS", "RELEASE"):
                 window.event_simulate("ESC", value, **place)
-        area.spaces.active.region_3d.view_distance += 0.01  # orbiting and zooming go on
+        area.spaces.active.region_3d.view_distance += 0.01  # continues to orbit and zoom
         yield
     raise TimeoutError(f"{operator} is still running")
 

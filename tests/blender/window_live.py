@@ -70,7 +70,7 @@ def stroke(surface):
     with window():
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
     yield
-    for first in range(0, 120, 20):  # a stroke by script: not every Blender comes with brushes
+    for first in range(0, 120, 20):  # the stroke is scripted, because not every Blender has brushes
         group.add(range(first, first + 20), 0.0, "REPLACE")
         surface.data.update()
         yield
@@ -134,7 +134,7 @@ def escape():
     obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 60_000, 1e-9, 100_000
     live = addon_host.part("blender.live.watcher")
     yield from waited(lambda: live._state.job is not None and live.progress(obj) > 0.0)
-    assert not the_window().modal_operators  # nothing has the mouse
+    assert not the_window().modal_operators  # no operator captures the mouse
     yield from shot("live-progress")
     area = next(one for one in the_window().screen.areas if one.type == "VIEW_3D")
     the_window().event_simulate("MOUSEMOVE", "NOTHING", x=area.x + 300, y=area.y + 200)

@@ -14,7 +14,8 @@
 #include <set>
 #include <span>
 
-// The linker puts the first of each pair before the second, see CMakeLists.txt.
+// The linker replaces calls of the second function of each pair by calls of the first, see
+// CMakeLists.txt.
 extern "C" {
 void* __wrap_malloc(std::size_t size);
 void* __real_malloc(std::size_t size);
@@ -25,15 +26,15 @@ void __real_free(void* memory);
 namespace {
 
 constexpr long kNone = std::numeric_limits<long>::max();
-constexpr int kFrames = 8;  // of a call that tell it from others
-constexpr int kDeep = 40;   // of a call, in which functions are looked for
+constexpr int kFrames = 8;  // return addresses that identify a call
+constexpr int kDeep = 40;   // return addresses that are searched for a function
 using Stack = std::array<void*, kDeep>;
 
 std::atomic<long> made = 0, live = 0;
 std::atomic<long> first_missing = kNone, end_missing = kNone;
 std::span<std::uint64_t> stacks;
 long stacks_begin = 0;
-Stack missed{};  // the calls that led to the first one that was missing
+Stack missed{};  // the call stack of the first allocation that failed
 const void* spared_library = nullptr;
 std::span<const void* const> not_spared;
 
@@ -48,14 +49,14 @@ std::uint64_t stack_here() {
 }
 
 bool is_in(const Stack& stack, const void* function) {
-  constexpr std::uintptr_t kLong = 512;  // bytes of a function that only calls others
+  constexpr std::uintptr_t kLong = 512;  // most bytes of a function that only calls others
   const auto begin = reinterpret_cast<std::uintptr_t>(function);
   return std::any_of(stack.begin(), stack.end(), [&](const void* frame) {
     return reinterpret_cast<std::uintptr_t>(frame) - begin < kLong;
   });
 }
 
-/// Where the file that holds it is in memory.
+/// The address at which the file that contains the function is loaded.
 const void* library_of(const void* function) {
   Dl_info found{};
   return function && dladdr(function, &found) != 0 ? found.dli_fbase : nullptr;
@@ -76,7 +77,7 @@ bool is_missing(long number) {
   return !is_spared(stack);
 }
 
-/// \return whether there is to be memory for this one
+/// \return whether this allocation may succeed
 bool granted() {
   const long number = ++made;
   const long place = number - stacks_begin - 1;
@@ -121,7 +122,7 @@ long allocations() { return made; }
 long live_allocations() { return live; }
 
 OutOfMemory::OutOfMemory(long number, long count) {
-  (void)stack_here();  // which loads what it needs
+  (void)stack_here();  // the first call loads a library
   missed = {};
   first_missing = made + number;
   end_missing = count < kNone - first_missing ? first_missing + count : kNone;
@@ -137,7 +138,7 @@ void spare_library_of(const void* function, std::span<const void* const> except)
 }
 
 CallSites::CallSites(long most) : stacks_(static_cast<std::size_t>(most)) {
-  (void)stack_here();  // which loads what it needs
+  (void)stack_here();  // the first call loads a library
   stacks_begin = made;
   stacks = stacks_;
 }

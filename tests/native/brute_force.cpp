@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::int32_t kFaceEdge = -1;
 
-/// A convex polygon; edge k runs from point k to point k + 1 and remembers the site whose bisector
-/// made it.
+/// A convex polygon; edge k runs from point k to point k + 1 and stores the site whose bisector
+/// produced it.
 struct Polygon {
   std::vector<Vec3> points;
   std::vector<std::int32_t> edges;
 };
 
-/// phi on the plane of a face, from its corners.
+/// The density phi in the plane of a face, interpolated from its corners.
 class LinearDensity {
  public:
   LinearDensity(const Shape& shape, std::size_t face) {
@@ -31,7 +31,7 @@ class LinearDensity {
   }
 
   [[nodiscard]] const Vec3& corner(std::size_t c) const { return corner_[c]; }
-  [[nodiscard]] const Vec3& normal() const { return normal_; }  // twice the area long
+  [[nodiscard]] const Vec3& normal() const { return normal_; }  // length: twice the area
 
   [[nodiscard]] double operator()(const Vec3& p) const {
     double sum = 0.0;
@@ -48,7 +48,7 @@ class LinearDensity {
   Vec3 normal_;
 };
 
-/// Keep what is nearer to site i than to site j; what is equally near goes to the lower index.
+/// Keep the part that is nearer to site i than to site j; the lower index gets a tie.
 Polygon cut(const Polygon& polygon, const std::vector<Vec3>& sites, std::size_t i, std::size_t j) {
   const Vec3 across = sites[j] - sites[i];
   const Vec3 middle = 0.5 * (sites[i] + sites[j]);
@@ -126,7 +126,7 @@ void add_polygon(const LinearDensity& density, const std::vector<Vec3>& sites, s
   }
 }
 
-/// The first of the sites at this place.
+/// The first site at this position.
 bool leads(const std::vector<Vec3>& sites, std::size_t i) {
   return std::find(sites.begin(), sites.end(), sites[i]) ==
          sites.begin() + static_cast<std::ptrdiff_t>(i);

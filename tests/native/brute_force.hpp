@@ -8,7 +8,7 @@
 
 namespace dapple::test {
 
-/// A cell of the oracle, with its boundary against each other site summed.
+/// A cell of the oracle, with the sums over its boundary with each other site.
 struct BruteCell {
   Moments moments;  // relative to the site
   std::map<std::int32_t, Vec3> flux;

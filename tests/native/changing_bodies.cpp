@@ -9,7 +9,7 @@
 namespace dapple::test {
 namespace {
 
-/// Puts the triangles of one tetrahedron after another into a shape.
+/// Appends the triangles of one tetrahedron after another to a shape.
 class Marching {
  public:
   Marching(const std::function<double(const Vec3&)>& field, int cells)
@@ -95,7 +95,7 @@ class Marching {
   Shape shape_;
 };
 
-/// The same with the faces in another order.
+/// The same shape with its faces in another order.
 Shape reordered(Shape shape, std::ptrdiff_t by) {
   std::rotate(shape.faces.begin(), shape.faces.begin() + by, shape.faces.end());
   return shape;
@@ -130,7 +130,8 @@ Shape torn_cloth(int frame, int cells) {
   Shape shape = grid(cells);
   const double tip = 1.0 - static_cast<double>(std::max(0, frame - 3)) / cells;
   const std::size_t untorn = shape.vertices.size();
-  std::map<std::int32_t, std::int32_t> split;  // vertices of the tear, and those on its right
+  // vertices of the tear, and their copies on its right side
+  std::map<std::int32_t, std::int32_t> split;
   for (std::size_t v = 0; v < untorn; ++v)
     if (shape.vertices[v].x() == 0.5 && shape.vertices[v].y() > tip + 1e-9) {
       split[static_cast<std::int32_t>(v)] = static_cast<std::int32_t>(shape.vertices.size());

@@ -11,8 +11,8 @@
 
 namespace dapple::test {
 
-/// A 64-bit FNV-1a hash of integers and of the bits of other numbers, from the lowest byte on.
-/// Adding does not allocate memory.
+/// A 64-bit FNV-1a hash of integers and of the bits of other numbers, starting with the lowest
+/// byte. Adding does not allocate memory.
 class Hash {
  public:
   void add(std::uint64_t bits) {

@@ -85,8 +85,7 @@ bool is_where_dense(const Surface& surface, std::int32_t face, const Vec3& weigh
   const std::vector<double> values = surface.density();
   const auto f = static_cast<std::size_t>(face);
   if (surface.density_at() == DensityAt::kFaces) return values[f] > 0.0;
-  const double most =
-      *std::max_element(values.begin(), values.end());  // so that nothing underflows
+  const double most = *std::max_element(values.begin(), values.end());  // avoids underflow
   const Face corners = surface.faces()[f];
   double sum = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {

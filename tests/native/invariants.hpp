@@ -26,7 +26,7 @@ void check_on_surface(const Surface& surface, const Sites& sites, const std::vec
 [[nodiscard]] bool is_where_dense(const Surface& surface, std::int32_t face, const Vec3& weights);
 
 /// Check that only locked samples are where the density is 0.
-/// \param locked ids of those
+/// \param locked their ids
 void check_where_dense(const Surface& surface, const Samples& samples,
                        std::span<const std::int32_t> locked = {});
 

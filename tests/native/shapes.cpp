@@ -406,7 +406,7 @@ Shape moebius(int segments) {
     }
   for (int k = 0; k + 1 < segments; ++k) add_quad(shape, 2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2);
   const int last = 2 * (segments - 1);
-  add_quad(shape, last, last + 1, 0, 1);  // with half a turn
+  add_quad(shape, last, last + 1, 0, 1);  // joined with half a turn
   return shape;
 }
 
@@ -449,8 +449,8 @@ Shape isolated_vertices() {
 Shape zero_area_faces() {
   Shape shape = grid(4);
   shape.name = "ZeroAreaFaces";
-  shape.faces.insert(shape.faces.begin(), {0, 0, 1});      // two corners the same
-  shape.faces.insert(shape.faces.begin() + 7, {0, 1, 2});  // three in a line
+  shape.faces.insert(shape.faces.begin(), {0, 0, 1});      // two corners are the same
+  shape.faces.insert(shape.faces.begin() + 7, {0, 1, 2});  // three corners on a line
   shape.faces.push_back({6, 6, 6});
   return shape;
 }
@@ -488,7 +488,7 @@ Shape soup(const Shape& shape) {
 }
 
 Shape split_edges(const Shape& shape, double degrees) {
-  // A corner joins an earlier face's at the same vertex if the two face nearly the same way.
+  // A corner reuses the vertex of an earlier face if the normals of the two faces are similar.
   const auto normal = [&](const Face& f) {
     const Vec3& a = shape.vertices[static_cast<std::size_t>(f[0])];
     return Vec3((shape.vertices[static_cast<std::size_t>(f[1])] - a)
@@ -567,7 +567,7 @@ Sites random_sites(const Shape& shape, std::size_t count, Random& random, bool i
   return sites;
 }
 
-Sites troubled_sites(const Shape& shape, std::size_t count, Random& random) {
+Sites degenerate_sites(const Shape& shape, std::size_t count, Random& random) {
   Sites sites = random_sites(shape, count, random);
   for (std::size_t k = 0; k < count; ++k) {
     const std::int32_t face = sites.faces[k];

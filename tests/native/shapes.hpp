@@ -44,7 +44,7 @@ struct Shape {
   [[nodiscard]] Vec3 densities(std::int32_t face) const;  // at its corners
   [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
   [[nodiscard]] double face_area(std::int32_t face) const;
-  /// Per face, whether it counts, that is, no earlier face has the same corners.
+  /// Per face, whether it counts: no earlier face has the same corners.
   [[nodiscard]] std::vector<bool> counted() const;
   [[nodiscard]] double area() const;      // of faces that count
   [[nodiscard]] double capacity() const;  // integral of the density
@@ -106,7 +106,7 @@ using DensityFunction = std::function<double(const Vec3&)>;
                                  bool inner = false);
 
 /// Sites with the difficulties of real input: copies of others, and sites on vertices and edges.
-[[nodiscard]] Sites troubled_sites(const Shape& shape, std::size_t count, Random& random);
+[[nodiscard]] Sites degenerate_sites(const Shape& shape, std::size_t count, Random& random);
 
 /// A rotation about a skew axis.
 [[nodiscard]] Vec3 rotated(const Vec3& point, double angle);

@@ -11,7 +11,7 @@
 namespace dapple::test {
 namespace {
 
-/// During `work()`. With one thread, so that the same thread does the same work each time.
+/// The number of allocations during `work()`, with one thread so that runs are comparable.
 template <typename Work>
 long allocations_in(const Work& work) {
   long count = 0;
@@ -23,7 +23,7 @@ long allocations_in(const Work& work) {
   return count;
 }
 
-/// The second of two evaluations.
+/// The allocations of the second of two evaluations.
 long allocations_in_a_second_evaluation(const Domain& domain, const Sites& sites) {
   Energy energy;
   const auto evaluate = [&] { update_energy(energy, domain, sites, 30.0); };
@@ -31,7 +31,7 @@ long allocations_in_a_second_evaluation(const Domain& domain, const Sites& sites
   return allocations_in(evaluate);
 }
 
-TEST(Allocations, AreNoneInAnEvaluationAfterTheFirst) {
+TEST(Allocations, NoneInLaterEvaluations) {
   const Surface surface = blob(5).surface();
   for (const std::size_t count : {20u, 500u, 20000u}) {
     const SurfaceDomain domain(surface);
@@ -49,8 +49,8 @@ TEST(Allocations, AreNoneWithADensity) {
   EXPECT_EQ(allocations_in_a_second_evaluation(domain, sites), 0);
 }
 
-/// Memory that held other sites is as good as new.
-TEST(Allocations, OnesThatAreSparedChangeNothing) {
+/// Reused memory that held other sites gives the same results as new memory.
+TEST(Allocations, SparedAllocationsChangeNothing) {
   const Surface surface = blob(4).surface();
   const SurfaceDomain domain(surface);
   Energy kept;

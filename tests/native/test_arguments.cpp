@@ -41,7 +41,7 @@ Samples of_the_large() {
   return samples;
 }
 
-/// As of_the_large(), on the first faces only: no face is out of the small surface's range.
+/// Like of_the_large(), but only on faces that the small surface has as well.
 Samples of_its_first_faces() {
   const Indices faces = {0, 1, 2, 3};
   return bind_samples(large(), faces, std::vector<Vec3>(4, Vec3::Constant(1.0 / 3.0)));
@@ -80,7 +80,7 @@ void resume_with(const Surface& surface, const Samples& samples) {
   Tracker(surface, own).resume(surface.vertices(), samples, true);
 }
 
-/// Those that read where the samples are.
+/// Functions that read the positions of samples.
 std::vector<Verb> readers() {
   return {
       {"Mosaic", [](const auto& s, const auto& p) { (void)mosaic(s, p); }},
@@ -102,7 +102,7 @@ std::vector<Verb> readers() {
   };
 }
 
-/// Those that put the samples where their faces and barycentric coordinates say, and all others.
+/// Functions that derive positions from faces and barycentric coordinates, followed by all others.
 std::vector<Verb> binders() {
   return {
       {"Tracker", [](const auto& s, const auto& p) { (void)Tracker(s, p); }},
@@ -254,7 +254,7 @@ TEST(Arguments, RefuseLockedSitesWithoutBarycentrics) {
                                 {"locked.barycentric", "0", "4"});
 }
 
-TEST(Arguments, RefuseLockedSitesThatNobodyWouldHonor) {
+TEST(Arguments, RefuseLockedSitesThatWouldBeIgnored) {
   const Sites locked = sites_of(of_the_small());
   const std::vector<SampleClass> classes = {{.count = 8}, {.count = 8}};
   expect_message<ArgumentError>(
@@ -281,7 +281,7 @@ TEST(Arguments, RefuseOffsetsOfAnotherNumber) {
       [&] { (void)cells_on_border(small(), sites_of(of_the_small()), other); }, {"3", "4"});
 }
 
-TEST(Arguments, NameTheFrameOfAWindowThatIsNotOfTheSurface) {
+TEST(Arguments, NameTheFrameOfAWindowThatDoesNotFitTheSurface) {
   std::vector<std::vector<Vec3>> frames(5, small().vertices());
   frames[3].pop_back();
   expect_message<ArgumentError>([&] { (void)track_window(small(), of_the_small(), frames); },
@@ -301,7 +301,7 @@ TEST(Arguments, RefuseSitesFarOutsideBeforeReadingTheirFaces) {
                                 {"faces[0]"});
 }
 
-TEST(Arguments, RefuseMoreThreadsThanThereAre) {
+TEST(Arguments, RefuseTooManyThreads) {
   const std::vector<Image> ink = {{1, 1, {1.0}}};
   const Plane square = Plane::rectangle(1.0, 1.0);
   const std::vector<Vec2> points = {{0.5, 0.5}};
@@ -330,11 +330,11 @@ TEST(Arguments, RefuseMoreThreadsThanThereAre) {
   }
 }
 
-TEST(Arguments, TakeAsManyThreadsAsTheLargestMachinesHave) {
+TEST(Arguments, AcceptThreadsOfTheLargestMachines) {
   EXPECT_EQ(sample(small(), 5, {.threads = 4096}).size(), 5u);
 }
 
-TEST(Arguments, RefuseMoreSamplesThanCanBe) {
+TEST(Arguments, RefuseTooManySamples) {
   const std::vector<Image> ink = {{1, 1, {1.0}}};
   const Plane square = Plane::rectangle(1.0, 1.0);
   const std::vector<SampleClass> classes = {{.count = 60'000'000}, {.count = 60'000'000}};
@@ -366,15 +366,15 @@ TEST(Arguments, RefuseCountsOfInksWhoseSumOverflows) {
                                 {"counts[0]", "100000000"});
 }
 
-TEST(Arguments, RefuseMorePixelsThanCanBe) {
+TEST(Arguments, RefuseTooManyPixels) {
   const std::vector<FaceUv> uv(4);
   expect_message<ArgumentError>([&] { (void)texels(small(), uv, 1 << 30, 1 << 30); },
                                 {"rows", "columns", "1073741824"});
 }
 
 #ifndef _WIN32
-/// Memory that nobody has written to takes none.
-TEST(Arguments, RefuseMoreFacesThanHalfEdgesHaveNumbersFor) {
+/// The faces are reserved memory that is never written, so they occupy none.
+TEST(Arguments, RefuseFacesWhoseHalfEdgesOverflow) {
   constexpr std::size_t kCount = 715'827'883;
   void* memory = mmap(nullptr, kCount * sizeof(Face), PROT_READ,
                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cancels a piece of work at every place where it asks whether to go on: count first, then break
-// each one (as Embree's verify does with allocations). The linker puts the function below before
-// Context::check.
+// Cancels an operation at each of its checks for cancellation: the first run counts them, then each
+// one is made to fail. The linker redirects Context::check to the function below.
 #include <gtest/gtest.h>
 
 #include <dapple/curvature.hpp>
@@ -41,7 +40,7 @@ constexpr int kNever = std::numeric_limits<int>::max();
 std::atomic<int> checks = 0;
 std::atomic<int> cancel_at = kNever;
 
-/// What a context shows at each check while it is watched.
+/// The progress of a context at each check while it is watched.
 class Watch {
  public:
   void look_at(const dapple::Context* context) {
@@ -62,7 +61,7 @@ class Watch {
 };
 
 Watch watch;
-/// What this thread does at its next check.
+/// The action of this thread at its next check.
 thread_local std::function<void()> at_next_check;
 
 }  // namespace
@@ -92,7 +91,7 @@ int count_checks(const Work& work) {
   return checks;
 }
 
-/// Run the work once for each of its checks, cancelled there; `after` looks at what is left.
+/// Run the work once per check and cancel it there; `after` inspects the state.
 void cancel_everywhere(const Work& work, const std::function<void()>& after) {
   const int total = count_checks(work);
   std::cout << total << " checks\n";
@@ -110,8 +109,8 @@ void cancel_everywhere(const Work& work, const std::function<void()>& after) {
   cancel_at = kNever;
 }
 
-/// While the work still asks, it is not done; what it shows rises, by no leaps, and ends at 1.
-/// \return what it shows
+/// Check that progress rises without large jumps and reaches 1 only after the last check.
+/// \return the progress at each check
 std::vector<double> expect_honest_progress(const Work& work, double longest_leap = 0.5) {
   Context context;
   checks = 0;
@@ -147,8 +146,7 @@ class CancelWithThreads : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Threads, CancelWithThreads, testing::Values(1, 2));
 
 TEST_P(CancelWithThreads, EverywhereInASample) {
-  const Surface surface =
-      two_sheets(4, 0.02).surface();  // with uncovered faces, so that all passes run
+  const Surface surface = two_sheets(4, 0.02).surface();  // uncovered faces make all passes run
   const SampleOptions options = few_evaluations(GetParam());
   const Samples expected = sample(surface, 120, options);
   cancel_everywhere([&](Context* context) { (void)sample(surface, 120, options, context); }, [] {});
@@ -181,8 +179,8 @@ TEST_P(CancelWithThreads, EverywhereInATrackedFrame) {
   EXPECT_TRUE(same_bytes(tracker.advance(next), untouched.advance(next)));
 }
 
-/// Nothing that works asks only once whether to go on.
-TEST(Cancel, AFrameInWhichNothingMovedAsksOnce) {
+/// Every operation that computes checks more than once.
+TEST(Cancel, AnUnchangedFrameChecksOnce) {
   const Shape shape = blob(2);
   const Surface surface = shape.surface();
   const Samples samples = sample(surface, 120);
@@ -194,8 +192,8 @@ TEST(Cancel, AFrameInWhichNothingMovedAsksOnce) {
   EXPECT_EQ(population.samples().report.evaluations, 0);
 }
 
-/// The sweeps look once at the frames: they are all the same.
-TEST(Cancel, AWindowInWhichNothingMovesHardlyAsks) {
+/// The sweeps check only once, because all frames are equal.
+TEST(Cancel, AnUnchangedWindowChecksRarely) {
   const Shape shape = blob(2);
   const Surface surface = shape.surface();
   const Samples samples = sample(surface, 120);
@@ -221,7 +219,7 @@ TEST(Cancel, EverywhereInAPoissonStart) {
 
 // ---- a check that works itself, as a signal's handler in Python may ----
 
-/// Begin `work` once for each of its checks, and there do all of it on the same object.
+/// Start `work` once per check and there run all of it on the same object.
 /// \param make makes a fresh object
 template <typename Make, typename Use>
 void work_at_each_check(const Make& make, const Use& use) {
@@ -272,7 +270,7 @@ TEST(ACheckThatWorks, MayUseTheSurfaceDomainThatIsBeingMade) {
 
 // ---- every verb: cancelled at each check, and its progress ----
 
-/// \param longest_leap that its progress may take between two checks
+/// \param longest_leap the largest allowed increase of the progress between two checks
 void expect_watched(const Work& work, double longest_leap = 0.6) {
   cancel_everywhere(work, [] {});
   expect_honest_progress(work, longest_leap);
@@ -410,7 +408,7 @@ TEST(Watched, CellsOfAllKinds) {
   const Sites sites = sites_of(sample(walls, 400));
   const double chunk = 0.2, all_covered = 0.5;
   for (const Cells cells : {Cells::kConnected, Cells::kEuclidean}) {
-    // Cells that follow the surface leave nothing to be shared out between two sheets.
+    // Cells that follow the surface leave no uncovered part of the two sheets to assign.
     const double leap = cells == Cells::kConnected ? all_covered : chunk;
     expect_watched(
         [&](Context* context) { (void)restricted_voronoi(walls, sites, cells, context); }, leap);
@@ -497,7 +495,8 @@ TEST(Watched, AFrameOfAPopulation) {
 
 TEST(Watched, AFrameOfOtherFaces) {
   const Shape moved = mapped(
-      remeshed(1), [](const Vec3& p) { return Vec3(1.2 * p.x(), p.y(), p.z()); });  // to even out
+      // leaves unevenness to correct
+      remeshed(1), [](const Vec3& p) { return Vec3(1.2 * p.x(), p.y(), p.z()); });
   const Surface first = remeshed(0).surface(), next = moved.surface();
   const Population fresh(first, sample(first, 80), {.tracker = {.optimizer = few_steps()}});
   Population population = fresh;
@@ -548,8 +547,7 @@ TEST(Watched, APieceOfAMotion) {
 }
 
 TEST(Watched, AMosaic) {
-  const Surface surface =
-      two_sheets(4, 0.02).surface();  // with uncovered faces, so that all passes run
+  const Surface surface = two_sheets(4, 0.02).surface();  // uncovered faces make all passes run
   const Samples samples = sample(surface, 120);
   expect_watched([&](Context* context) {
     (void)mosaic(surface, samples, {.grout = 0.01, .thickness = 0.01}, context);
@@ -628,7 +626,7 @@ TEST(Watched, Decals) {
   });
 }
 
-/// From another thread, with hundreds of evaluations still to go.
+/// Cancels from another thread while hundreds of evaluations remain.
 TEST(Cancel, FromAnotherThreadWhileItWorks) {
   const Surface surface = blob(4).surface();
   SampleOptions options;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every allocation of every verb fails once: count first, then break each one (as Embree's verify
-// does). What comes out is std::bad_alloc or an error of the library, or the result is right;
-// nothing leaks, and the next call gives the usual bytes. By itself the test breaks the first
-// allocation of each chain of calls; with DAPPLE_THOROUGH in the environment, all of them.
+// Makes every allocation of every verb fail once: the first run counts them, then each one fails
+// (as in Embree's verify). The result is std::bad_alloc, an error of the library, or the right
+// value; nothing leaks, and the next call returns the usual bytes. By default the first allocation
+// of each call stack fails; with DAPPLE_THOROUGH in the environment, all of them.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -41,7 +41,7 @@
 #include "hash.hpp"
 #include "shapes.hpp"
 
-extern "C" {  // Embree's, by name: the headers differ from version to version
+extern "C" {  // declarations of Embree's functions, because its headers differ between versions
 void rtcNewDevice();
 void rtcNewScene();
 void rtcNewGeometry();
@@ -54,13 +54,13 @@ void rtcCommitScene();
 namespace dapple::test {
 namespace {
 
-/// One call of a verb, which adds what it returns.
+/// One call of a verb, which adds its result to the hash.
 using Work = std::function<void(Hash&)>;
 
-/// Makes a verb ready to be called, with inputs that nobody has called with before.
+/// Prepares a call of a verb, with inputs that no call has used before.
 using Prepare = std::function<Work()>;
 
-/// For calls that leave their inputs as they are.
+/// For calls that do not change their inputs.
 Prepare again(Work work) {
   return [work = std::move(work)] { return work; };
 }
@@ -76,10 +76,10 @@ const void* address(Function* function) {
   return reinterpret_cast<const void*>(function);
 }
 
-/// Whether all was as it should be although memory was missing.
+/// Whether the call behaved correctly although an allocation failed.
 class Trial {
  public:
-  /// \param lost allocations that other libraries may lose each time
+  /// \param lost allocations that other libraries may leak per call
   explicit Trial(Prepare prepare, long lost = 0)
       : prepare_(std::move(prepare)), lost_(lost), expected_(outcome(prepare_())) {}
 
@@ -90,7 +90,7 @@ class Trial {
     return allocations() - before;
   }
 
-  /// The first allocation of each chain of calls.
+  /// The first allocation of each call stack.
   [[nodiscard]] std::vector<long> first_of_each() const {
     const Work work = prepare_();
     const CallSites sites(count());
@@ -98,8 +98,8 @@ class Trial {
     return sites.first_of_each();
   }
 
-  /// `many` allocations fail from the `number`-th on. What is kept from then on for all calls to
-  /// come is kept once.
+  /// `many` allocations fail, starting with allocation `number`. Caches that are created once for
+  /// all later calls are not counted as leaks.
   void fail(long number, long many) const {
     SCOPED_TRACE("allocation " + std::to_string(number) + ", " + std::to_string(many) + " of them");
     for (int round = 0;; ++round) {
@@ -112,8 +112,8 @@ class Trial {
   }
 
  private:
-  /// By other libraries: Embree's function loses the device, and what it has made for it, when
-  /// there is no memory for the rest.
+  /// Leaks of other libraries: Embree's function loses the device and its contents if it runs out
+  /// of memory.
   [[nodiscard]] long may_be_lost() const {
     constexpr long kDevice = 4;
     return lost_ + (was_missing_in(address(&rtcNewDevice)) ? kDevice : 0);
@@ -127,7 +127,7 @@ class Trial {
       EXPECT_EQ(outcome(work), expected_) << "it left something behind";
   }
 
-  /// \return what came out; none if an error did
+  /// \return the hash of the result; none if the call threw an error
   static std::optional<std::uint64_t> attempt(const Work& work, long number, long many) {
     Hash hash;
     const OutOfMemory missing(number, many);
@@ -291,7 +291,7 @@ Prepare a_population(int threads) {
   const auto scaled = [&](double much) {
     return mapped(shape, [&](const Vec3& p) { return Vec3(much * p.x(), p.y(), p.z()); }).vertices;
   };
-  fresh.advance(scaled(0.9));  // so that some are vanishing
+  fresh.advance(scaled(0.9));  // makes some samples vanish
   return [fresh, next = scaled(1.3)] {
     return [next, population = std::make_shared<Population>(fresh)](Hash& hash) {
       hash.add(population->advance(next));
@@ -300,7 +300,7 @@ Prepare a_population(int threads) {
   };
 }
 
-/// Nothing moves: reports alone are made.
+/// Nothing moves, so only reports are made.
 Prepare resting(int threads) {
   const Shape shape = blob(2);
   const Population fresh(shape.surface(), start(shape.surface(), 60),
@@ -442,9 +442,9 @@ struct Case {
 };
 void PrintTo(const Case& one, std::ostream* out) { *out << one.name; }
 
-/// Embree can be broken while it builds a tree: a thread that finds no room to join the memory of
-/// a scene keeps using that of the scene when both are gone (3.13, bind() in
-/// kernels/common/alloc.h). So memory is missing in all of its other functions.
+/// Embree has a defect when an allocation fails while it builds a tree: a thread that cannot join
+/// the memory of a scene keeps using that of the scene when both are gone (3.13, bind() in
+/// kernels/common/alloc.h). So allocations fail in all of its other functions only.
 class OutOfMemoryIn : public testing::TestWithParam<Case> {
  protected:
   OutOfMemoryIn() { spare_library_of(address(&rtcCommitScene), others_); }
@@ -468,8 +468,8 @@ TEST_P(OutOfMemoryIn, OneThread) {
   }
 }
 
-/// Also while errors are made and passed on.
-TEST_P(OutOfMemoryIn, AndThereIsNoMoreFromThenOn) {
+/// Allocations also fail while errors are created and passed on.
+TEST_P(OutOfMemoryIn, AllLaterAllocationsFail) {
   constexpr long kSample = 40;
   const Trial trial(GetParam().prepare(1), GetParam().lost);
   for (const long number :
@@ -524,7 +524,7 @@ INSTANTIATE_TEST_SUITE_P(Verbs, OutOfMemoryIn, testing::ValuesIn(kCases),
 
 namespace fs = std::filesystem;
 
-/// A folder with a mesh file in it, gone at the end.
+/// A folder with a mesh file, removed at the end.
 class MeshFolder {
  public:
   explicit MeshFolder(const std::string& suffix)
@@ -569,7 +569,7 @@ TEST_P(OutOfMemoryWithFiles, Reading) {
   for (const long number : up_to(trial.count(), 1)) trial.fail(number, 1);
 }
 
-/// The file is the old one or the new one, and nothing is beside it.
+/// The file has either the old or the new content, and no other file is left beside it.
 TEST_P(OutOfMemoryWithFiles, Writing) {
   const Shape after = blob(1);
   const MeshFolder folder(GetParam());

@@ -29,7 +29,7 @@ constexpr int kMeshes = 120;
 
 Point exact(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
-/// Insert the sites; of coincident ones the first stays.
+/// Insert the sites; the first of coincident sites stays.
 Delaunay triangulate(const std::vector<Vec3>& sites) {
   Delaunay result;
   for (std::size_t k = 0; k < sites.size(); ++k) {
@@ -113,13 +113,13 @@ TEST(Referee, AgreesOnRandomMeshes) {
   EXPECT_GE(solid, 100) << "too few of the meshes have sites that span space";
 }
 
-TEST(Referee, AgreesOnTroubledSites) {
+TEST(Referee, AgreesOnDegenerateSites) {
   for (std::uint64_t seed = 0; seed < kMeshes; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(19000 + seed);
     const Shape shape = random_shape(random);
     const auto count = static_cast<std::size_t>(5 + random.below(12));
-    expect_exact_areas(shape, troubled_sites(shape, count, random));
+    expect_exact_areas(shape, degenerate_sites(shape, count, random));
     if (HasFailure()) return;
   }
 }
@@ -134,8 +134,8 @@ TEST_P(RefereeOf, Agrees) {
   expect_exact_areas(GetParam(), random_sites(GetParam(), 10, random));
 }
 
-/// Eight sites on one sphere: every Delaunay tetrahedralisation of a cube is a matter of taste, its
-/// cells are not.
+/// Eight sites on one sphere: the Delaunay tetrahedralization of a cube is ambiguous, its cells are
+/// not.
 TEST(Referee, AgreesOnTheCornersOfACube) {
   const Shape shape = box(2);
   Sites sites;

@@ -19,10 +19,10 @@
 namespace dapple::test {
 namespace {
 
-// Only + - * / and square roots make the inputs: IEEE 754 rounds them in one way, sines it does
-// not.
+// The inputs are made with + - * / and square roots only: IEEE 754 defines their rounding, but not
+// that of sines.
 
-/// `count` points around the unit circle, from the rational one through t = (-1, 1].
+/// `count` points around the unit circle, from its rational parametrization by t = (-1, 1].
 Vec2 on_circle(int k, int count) {
   const int quarter = count / 4;
   const double t = static_cast<double>(k % quarter) / quarter;
@@ -55,7 +55,7 @@ Shape ring() {
   return shape;
 }
 
-/// The vertices turned around the z axis, the farther up the more.
+/// The vertices rotated around the z axis by an angle that grows with the height.
 std::vector<Vec3> twisted(const std::vector<Vec3>& vertices, double much) {
   std::vector<Vec3> moved;
   for (const Vec3& p : vertices) {

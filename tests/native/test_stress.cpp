@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Eight threads that do everything with the same surfaces at once, some of it cancelled on the way.
-// tests/sanitize.sh runs it under ThreadSanitizer; everywhere it compares bytes.
+// Eight threads run all verbs on the same surfaces at once, and some of the calls are cancelled.
+// tests/sanitize.sh runs it under ThreadSanitizer; the results are compared by bytes in any case.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -43,7 +43,7 @@ namespace {
 constexpr int kThreads = 8;
 constexpr int kRounds = 3;
 
-/// What all threads share; nothing of it changes.
+/// The inputs shared by all threads; they do not change.
 struct Shared {
   Shape shape = blob(2);
   Surface surface = shape.surface();
@@ -75,7 +75,7 @@ struct Shared {
   }
 };
 
-/// Numbers that say what came out.
+/// Numbers that identify a result.
 using Outcome = std::vector<double>;
 using Work = std::function<Outcome(const Shared&, Context*)>;
 
@@ -202,7 +202,7 @@ const std::vector<Work>& works() {
   return kWorks;
 }
 
-/// Once more, stopped on the way by its Context or by the thread's Poll.
+/// The same verb again, cancelled by its Context or by the thread's Poll.
 void cancel(const Shared& shared, const Work& work, int turn) {
   Context context;
   Poll poll([turn] { return turn % 3 != 0; });
@@ -213,7 +213,7 @@ void cancel(const Shared& shared, const Work& work, int turn) {
   std::string stopped;
   try {
     (void)work(shared, turn % 4 ? &context : nullptr);
-  } catch (const Cancelled& error) {  // as it should be, if it came in time
+  } catch (const Cancelled& error) {  // expected if the cancellation came in time
     stopped = error.what();
   }
   other.join();

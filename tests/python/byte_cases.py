@@ -13,7 +13,7 @@ from checks import ARRAYS
 from shapes import Mesh
 
 TIMES = ("seconds", "profile")
-COUNTS = ("births", "deaths")  # which the ids tell, that are kept
+COUNTS = ("births", "deaths")  # the ids, which are recorded, determine them
 FRAMES = 20
 
 

@@ -39,7 +39,7 @@ def check_samples(surface: dapple.Surface, samples: dapple.Samples) -> None:
     np.testing.assert_allclose(samples.positions, there, rtol=0, atol=1e-13 * size)
     energy = dapple.evaluate_energy(surface, samples.positions, samples.faces)
     extent = np.ptp(surface.vertices[np.unique(surface.faces)], axis=0).max()  # of what is used
-    rounding = 1e-10 + 2.0**-48 * size / extent  # far away: more
+    rounding = 1e-10 + 2.0**-48 * size / extent  # larger far from the origin
     assert abs(energy.areas.sum() - surface.area) <= rounding * surface.area
     assert abs(energy.capacities.sum() - surface.capacity) <= rounding * surface.capacity
 
@@ -55,7 +55,7 @@ def is_on_density(surface: dapple.Surface, samples: dapple.Samples) -> np.ndarra
         return np.ones(len(samples), dtype=bool)
     if surface.density_at == "faces":
         return values[samples.faces] > 0
-    values = values / values.max()  # so that nothing underflows
+    values = values / values.max()  # avoids underflow
     corners = values[surface.faces] if surface.density_at == "vertices" else values
     return (corners[samples.faces] * samples.barycentric).sum(axis=1) > 0
 

@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 
 try:
     from hypothesis import HealthCheck, configuration, settings
-except ModuleNotFoundError:  # test_properties.py is left out
+except ModuleNotFoundError:  # test_properties.py is skipped
     pass
 else:
     configuration.set_hypothesis_home_dir(ROOT / "build" / "hypothesis")

@@ -89,7 +89,7 @@ def torus(waves: float = 0.0, around: int = 8, tube: int = 4) -> Mesh:
     for cosine, sine in ring:
         wave = cosine
         for _ in range(3):
-            wave = 2 * wave * wave - 1  # of the double angle
+            wave = 2 * wave * wave - 1  # double angle
         radius = 0.4 * (1 + waves * wave)
         for out, up in section:
             reach = 1 + radius * out

@@ -21,8 +21,8 @@ WRITE = "build/venv/bin/python tests/python/same_bytes.py --write"
 EVERY = "every system"
 INPUTS = "inputs"
 
-Hashes = Mapping[str, str]  # of a case's arrays
-Entry = dict[str, Hashes]  # of each system, or of EVERY
+Hashes = Mapping[str, str]  # by array
+Entry = dict[str, Hashes]  # by system, or by EVERY
 
 
 def system_name() -> str:

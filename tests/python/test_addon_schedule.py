@@ -95,5 +95,5 @@ def test_what_has_no_time_is_the_next_one(schedule, clock) -> None:
     assert schedule.take() == 2
     assert schedule.take() is None
     schedule.hurry(1)
-    schedule.change(1)  # which it waits for then
+    schedule.change(1)  # the next update waits for it
     assert schedule.take() is None

@@ -24,7 +24,7 @@ from benchmarks.tracking.metrics import Run, play
 
 FRAMES, FACES = 48, 12_000
 SHEETS = {"fold", "flag"}
-FAR = {"gallop": 0.15}  # of the size, that a vertex may move in a frame
+FAR = {"gallop": 0.15}  # largest motion of a vertex per frame, relative to the size
 
 
 @pytest.fixture(scope="module", params=list(GENERATED))
@@ -135,11 +135,13 @@ def test_plays_every_contender(twist, contender):
     assert (max(run.slide_max) > 0) == moves
     assert (max(run.evaluations) > 0) == moves
     assert run.hysteresis is not None
-    assert (run.hysteresis > 1e-9) == (contender not in ("ride", WINDOW))  # a window is closed
+    # a window has no hysteresis
+    assert (run.hysteresis > 1e-9) == (contender not in ("ride", WINDOW))
     assert (metrics.roughness(run) is not None) == moves
     assert run.jerk_p99 is not None
     assert (run.jerk_p99 > 0) == moves
-    # What rides the twisted bar has lost its evenness; what is optimized has not.
+    # Samples that are only carried by the twisted bar have lost their evenness; optimized ones have
+    # not.
     assert (max(report.energy_off(run)) < 0.02) == moves
 
 
@@ -235,7 +237,7 @@ def test_the_least_flow_leads_back_to_even_density(grid):
     slide, jerk = least_flow(pushed, count)
     spacing = dapple.Surface(pushed.frames[0], pushed.faces).spacing(count)
     assert slide == pytest.approx(2 * strength / np.pi**2 / spacing, rel=0.02)
-    assert jerk == pytest.approx(2 * slide, rel=0.02)  # back again by the same way
+    assert jerk == pytest.approx(2 * slide, rel=0.02)  # it returns along the same path
 
 
 def test_nothing_has_to_slide_on_a_body_that_turns_or_grows(grid):

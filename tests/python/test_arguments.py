@@ -47,7 +47,7 @@ def cover(surface: dapple.Surface, samples: dapple.Samples) -> object:
     return dapple.decal_cover(surface, samples, np.ones(len(samples)), across, grid)
 
 
-# Verbs that take a surface and samples of it: those that read where the samples are ...
+# Functions that take a surface and its samples: these read positions of samples.
 READERS: dict[str, Callable[[dapple.Surface, dapple.Samples], object]] = {
     "mosaic": dapple.mosaic,
     "decal_cover": cover,
@@ -58,7 +58,7 @@ READERS: dict[str, Callable[[dapple.Surface, dapple.Samples], object]] = {
     "sample": lambda s, p: dapple.sample(s, 60, locked=p),
     "sample_classes": lambda s, p: dapple.sample_classes(s, [5, dapple.SampleClass(60, locked=p)]),
 }
-# ... and those that only look at their faces.
+# These read only their faces.
 VERBS = READERS | {
     "Tracker": dapple.Tracker,
     "Tracker of classes": lambda s, p: dapple.Tracker(s, p, classes=[1]),
@@ -162,7 +162,7 @@ def test_a_window_names_the_frame(small):
         dapple.track_window(small, own(small, 3), frames)
 
 
-# Whole numbers, by the name of the argument
+# Integers, by the name of the argument.
 
 INKS = np.ones((1, 2, 2))
 SQUARE = dapple.Plane(1, 1)

@@ -47,4 +47,4 @@ def test_a_bad_name_is_named(sheets):
 
 def test_the_papers_preset_is_plain(sheets):
     report = dapple.sample(sheets, 200, **dapple.PAPER).report
-    assert report.energies[-1] == pytest.approx(report.energy, abs=1e-12)  # no repulsion on top
+    assert report.energies[-1] == pytest.approx(report.energy, abs=1e-12)  # without repulsion

@@ -48,7 +48,7 @@ def archive(tmp_path, mesh) -> Path:
     return path
 
 
-# What is written
+# Output
 
 
 def test_starts_as_a_module():
@@ -318,7 +318,7 @@ def test_reads_ply_of_others(tmp_path, form):
     assert found.normals is None
 
 
-# What is refused
+# Errors
 
 BAD_POINTS = {
     "many.csv": ("1,2,3,4\n1,2,3,4\n", "4 columns and no names"),
@@ -560,7 +560,7 @@ def test_a_file_makes_a_command(tmp_path, monkeypatch):
     assert re.search(r"^  greet", done("--help").stdout, re.MULTILINE)
 
 
-# While it works
+# During the work
 
 
 def test_ctrl_c_ends_the_work_before_the_command(monkeypatch):
@@ -594,7 +594,7 @@ def test_shows_progress_in_a_terminal_and_ends_by_ctrl_c(tmp_path, torus):
     fcntl = pytest.importorskip("fcntl")
     out = tmp_path / "points.ply"
     ours, theirs = terminal()
-    # A shell that started us in the background may have told us to ignore it.
+    # A shell that started this process in the background may have made it ignore the signal.
     process = subprocess.Popen(
         command("sample", torus, out, "-n", 5000, "--tolerance", 0, "--max-evaluations", 1000),
         stdout=subprocess.PIPE,

@@ -24,7 +24,7 @@ except ModuleNotFoundError:
     resource = None
 
 posix = pytest.mark.skipif(not resource, reason="Windows limits no file and has other pipes, links")
-SMALL = 300  # bytes that a file may have on the "full disk"
+SMALL = 300  # largest file on the "full disk", in bytes
 
 
 def on_a_full_disk(*arguments: object) -> subprocess.CompletedProcess[str]:

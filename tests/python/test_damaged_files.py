@@ -15,7 +15,7 @@ from files import READERS, trouble, whole_files
 SEEDS = range(20)
 
 
-@pytest.mark.filterwarnings("ignore")  # of Pillow and numpy, about what is damaged
+@pytest.mark.filterwarnings("ignore")  # Pillow and numpy warn about damaged files
 @pytest.mark.parametrize("name", [reader.name for reader in READERS])
 def test_damaged_files_are_read_or_refused(tmp_path, name):
     for reader, file, content in list(whole_files(tmp_path)):

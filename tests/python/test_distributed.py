@@ -217,11 +217,11 @@ def test_what_is_missing_is_said_where_dask_is_missing(monkeypatch, shots, tmp_p
 
 
 def test_a_cluster_of_its_own_is_started_and_ended(monkeypatch, shots, tmp_path):
-    # Dask leaves there what an earlier cluster was given.
+    # Dask stores options of an earlier cluster there.
     monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
     (file,) = map_shots(memory_setting, shots[:1], tmp_path / "out", workers=1)
     found = np.load(file)
-    assert found["setting"] == "not set"  # so that workers keep memory that they use again
+    assert found["setting"] == "not set"  # workers keep memory for reuse
     wait_for(lambda: not psutil.pid_exists(int(found["process"])))
 
 

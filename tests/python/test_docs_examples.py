@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PYTHON = [name for name in re.findall(r"^\w+$", (DOCS / "site/python/index.md").read_text(), re.M)]
 BLOCK = re.compile(r"^```(?P<language>[^\n]*)\n(?P<code>.*?)^```", re.DOTALL | re.MULTILINE)
-# Number of the examples in a language and who runs them.
+# The number of examples in each language, and the function that runs them.
 RUN = {
     "README.md": {"sh": (1, "tests/run.sh runs the same set-up"), "python": (1, "test_module.py")},
     "CONTRIBUTING.md": {

@@ -53,7 +53,7 @@ def test_every_public_name_is_on_one_page():
     modules = set(
         re.findall(r"^\.\. automodule:: dapple3d\.(?:extras\.)?(\w+)$", text, re.MULTILINE)
     )
-    of_ours = {"reading", "writing"}  # how the package reads and writes files
+    of_ours = {"reading", "writing"}  # modules of the package that read and write files
     package = Path(dapple.__file__).parent
     there = {
         path.stem for folder in ("", "extras") for path in (package / folder).glob("[a-z]*.py")

@@ -306,7 +306,7 @@ def test_gltf_nodes_stand_where_their_parents_put_them(tmp_path, suffix):
     np.testing.assert_allclose(found.vertices[5], [-1, 0, 3])
     triangles = found.vertices[found.faces]
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    assert (normals[:, 1] < 0).all()  # also where the matrix mirrors
+    assert (normals[:, 1] < 0).all()  # matrices that mirror are included
     done("sample", path, tmp_path / "out.glb", "-n", 30)
     assert gltf.read(tmp_path / "out.glb").positions[:, 1].min() == pytest.approx(-2)
 
@@ -400,7 +400,8 @@ def test_gltf_skinned_meshes_stand_as_their_joints_do(tmp_path):
     inverse[1][:3, 3] = [0, -1, 0]
     scene.add("skins", joints=[1, 2], inverseBindMatrices=scene.array(
         [np.ravel(one.T) for one in inverse]))  # fmt: skip
-    scene.add("nodes", mesh=mesh, skin=0, translation=[100, 0, 0])  # which means nothing
+    # glTF ignores the transform of skinned nodes
+    scene.add("nodes", mesh=mesh, skin=0, translation=[100, 0, 0])
     scene.add("nodes", children=[2])
     scene.add("nodes", translation=[0, 2, 0])
     found = dapple.read_mesh(scene.save(tmp_path / "scene.glb", roots=(0, 1)))

@@ -79,7 +79,7 @@ def test_frames_without_faces_have_no_points(tmp_path, suffix):
     found, ids, fade = rows_of(out)
     area = [dapple.Surface(*mesh).area if len(mesh[1]) else 0 for mesh in meshes]
     assert [len(one) for one in ids] == [round(100 * a / area[1]) for a in area]
-    assert not set(ids[5]) & set(ids[2])  # they are others
+    assert not set(ids[5]) & set(ids[2])  # new samples
     np.testing.assert_array_equal(ids[5], ids[6])
     assert set(fade[5]) == {0.25}
     assert set(fade[6]) == {0.5}

@@ -18,7 +18,7 @@ from shapes import bent, torus
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 
 LONG = {"tolerance": 0.0, "max_evaluations": 5000}
-SOON = 0.5  # seconds of all threads together
+SOON = 0.5  # seconds of processor time of all threads
 
 
 @pytest.fixture(autouse=True)
@@ -272,6 +272,7 @@ def test_the_command_ends_in_a_sentence_whenever_ctrl_c_comes(tmp_path):
         shown, said = process.communicate(timeout=60)
         assert "Traceback" not in said, f"after {0.04 * k:.2f} s: {said}"
         assert shown == ""
-        if process.returncode != -signal.SIGINT:  # before or while the shell began Python
+        # the interrupt came while the shell was starting Python
+        if process.returncode != -signal.SIGINT:
             assert (process.returncode, said) == (130, "Cancelled: nothing was written.\n")
         assert not out.exists()

@@ -72,9 +72,9 @@ def test_is_typed():
     assert (package / "_native.pyi").is_file()
 
 
-# What stubtest holds against classes made by pybind11: their metaclass, an __init__ that only
-# raises; a library that lies beside the module; a name for a Literal; functions that keep what they
-# have returned; and a function that hands on the options of another and shows them by name.
+# Reports of stubtest about classes made by pybind11 that are expected: their metaclass, an __init__
+# that only raises, a library beside the module, an alias of a Literal, functions that cache their
+# results, and a function that passes options to another one and shows them by name.
 ALLOWED = r"""
 dapple3d\._native\.\w+
 dapple3d\._native\.\w+\.__init__

@@ -107,7 +107,7 @@ def shot(folder, **given):
     return list(track_shot(folder / "shot.npz", **given).values())[:-1]
 
 
-# Of each function the numbers that it takes beside its options.
+# For each function, its numbers that are not options.
 WITH_OPTIONS: dict[str, tuple[Call, dict[str, Any]]] = {
     "Tracker": (lambda **given: tracked(dapple.Tracker, **given), {"classes": [20]}),
     "Population": (lambda **given: tracked(dapple.Population, **given), {"classes": [20]}),
@@ -367,8 +367,9 @@ def _parameters(node: ast.FunctionDef, name: str) -> Iterator[str]:
 
 def test_every_number_of_the_package_is_tried():
     left_out = {
-        *("gltf.write_scatters", "usd.write_scatters", "stippling.write"),  # as their siblings
-        *("gltf.Document.array", "gltf.Document.add_array", "instances.check_faces"),  # inner ones
+        *("gltf.write_scatters", "usd.write_scatters", "stippling.write"),  # like their siblings
+        # internal functions
+        *("gltf.Document.array", "gltf.Document.add_array", "instances.check_faces"),
     }
     found = {one for one in numbers_of_stubs() if one.partition("-")[0] not in left_out}
     assert len(found) > 100

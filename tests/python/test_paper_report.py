@@ -133,7 +133,7 @@ def reddish(picture: np.ndarray) -> float:
 def test_dots_behind_the_body_are_hidden():
     vertices, faces = shapes.torus()
     scene = Scene(vertices, faces, view("z", 0, 0), width=120)  # from -y, the outer rim in front
-    far = np.array([[0.0, 9.0, 0.0]])  # what every other place of the surface is nearer to
+    far = np.array([[0.0, 9.0, 0.0]])  # the nearest point for every other position of the surface
     front, back = np.array([[0.0, -1.4, 0.0]]), np.array([[0.0, 1.4, 0.0]])
     assert reddish(scene.dots(front, RED, 0.3)) > 0.01
     assert reddish(scene.dots(back, RED, 0.3)) == 0.0

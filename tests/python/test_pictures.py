@@ -12,7 +12,8 @@ from dapple3d.cli.app import main
 Image = pytest.importorskip("PIL.Image")
 
 UPRIGHT = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
-# What a camera stores so that it looks like that once it is turned as each orientation says.
+# Images as a camera stores them, one for each orientation, which all show the same picture once
+# rotated.
 STORED = {
     1: UPRIGHT,
     2: UPRIGHT[:, ::-1],
@@ -152,7 +153,7 @@ def test_what_is_transparent_in_a_gray_picture_is_paper(tmp_path):
         found = stippling.read_picture(saved(tmp_path / f"{name}.png", pixels))
         np.testing.assert_array_equal(found, expected)
     hidden = gray[..., [0, 0, 0, 1]].copy()
-    hidden[3, :, 0] = 200  # a color that nobody sees
+    hidden[3, :, 0] = 200  # the colors of transparent pixels
     found = stippling.read_picture(saved(tmp_path / "hidden.png", hidden))
     np.testing.assert_array_equal(found, expected)
 

@@ -26,7 +26,7 @@ def test_is_no_farther_than_any_point_of_the_surface(mesh, surface):
     others, _ = random_points(mesh, 20000, seed=2)
     nearest = np.linalg.norm(points[:, None] - others[None], axis=2).min(axis=1)
     assert np.all(found.distances <= nearest)
-    assert np.all(found.distances >= nearest - 0.05)  # the others lie that dense
+    assert np.all(found.distances >= nearest - 0.05)  # the density of the other points
 
 
 def test_leaves_points_of_the_surface_where_they_are(mesh, surface):

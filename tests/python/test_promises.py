@@ -24,7 +24,7 @@ except ModuleNotFoundError:
     resource = None
 
 MANY = 2**31
-LEAST = 50_000_000  # bytes that are enough to refuse a file
+LEAST = 50_000_000  # bytes of memory that suffice to reject a file
 STATUS = Path("/proc/self/statm")
 
 
@@ -57,7 +57,7 @@ def directory_says(path: Path, *, size: int | None = None, packed: int | None = 
 @contextmanager
 def little_memory() -> Iterator[None]:
     """Nothing in this process may ask for more than LEAST bytes."""
-    if resource is None or not STATUS.exists():  # elsewhere what is refused is all that is tested
+    if resource is None or not STATUS.exists():  # only errors are tested on other systems
         yield
         return
     pages = int(STATUS.read_text().split()[0])

@@ -16,7 +16,7 @@ import nasty
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-SAME = 1e-6  # relative: what is the same up to rounding
+SAME = 1e-6  # relative tolerance of values that are equal up to rounding
 
 
 def surface_of(mesh: shapes.Mesh, density: tuple[np.ndarray | None, str]) -> dapple.Surface:

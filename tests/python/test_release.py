@@ -136,7 +136,7 @@ def test_a_tag_elsewhere_is_no_place_for_these_files(checkout):
     assert "the tag v1.2.0 is another commit than this one" in found.stderr
 
 
-# What is promised, in all places that say it
+# Promises that several pages repeat
 
 
 def found_in(root: Path, name: str, pattern: str) -> set[str]:
@@ -188,7 +188,7 @@ def test_wheels_of_every_platform_are_tested_on_it(root):
     assert sorted(tested) == sorted(platforms.split())
 
 
-# The page that tells how
+# The page about releases
 
 
 def shell_lines(page: Path) -> list[str]:

@@ -53,7 +53,7 @@ def test_reports(samples, surface):
     assert report.to_dict() == {name: getattr(report, name) for name in REPORT}
     assert report.spacing == pytest.approx(surface.spacing(300))
     assert len(report.energies) == report.iterations + 1
-    assert report.energy <= report.energies[-1]  # what is minimized has the repulsion on top
+    assert report.energy <= report.energies[-1]  # the listed energies include repulsion
     assert np.all(np.diff(report.energies) <= 0)
     assert report.converged
     assert report.seconds > 0
@@ -84,8 +84,8 @@ def test_gives_the_same_bytes_for_any_threads_and_again(dense):
     assert not same_bytes(dapple.sample(dense, 400, seed=4), base)
 
 
-# Bands of alpha min, alpha mean, capacity variation and energy, around what the method gives on a
-# torus at the paper's tolerance.
+# Ranges of alpha min, alpha mean, capacity variation and energy around the results of the method on
+# a torus with the paper's tolerance.
 BANDS = {
     "default": ({}, (0.50, 0.85), (0.80, 0.92), (0.0003, 0.008), (0.16037, 0.1715)),
     "random start": (

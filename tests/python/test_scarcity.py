@@ -62,7 +62,7 @@ flat = samples.barycentric[:, :2].copy()
 uv = np.zeros((len(mesh[1]), 3, 2)); uv[:, 1, 0] = uv[:, 2, 1] = 1
 many = np.random.default_rng(1).random((500_000, 3))
 usual = small()
-small(0)  # a thread that starts without memory for its own variables ends the process: glibc
+small(0)  # glibc ends the process if a thread starts without memory for thread-local variables
 pages = int(open("/proc/self/statm").read().split()[0])
 limit = pages * resource.getpagesize() + (100 << 20)
 before = resource.getrlimit(resource.RLIMIT_AS)
@@ -90,7 +90,7 @@ def tracked(threads):
 
 usual = small(), tracked(1)
 import threading
-root = os.geteuid() == 0  # whom no limit holds
+root = os.geteuid() == 0  # no limit applies to root
 resource.setrlimit(resource.RLIMIT_NPROC, (0, 0))
 if root:
     nobody = 65534

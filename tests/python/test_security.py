@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 TREES = {"dapple3d": Path(dapple3d.__file__).parent, "addon": ROOT / "addon"}
 
-# Programs from data, other processes, the network, memory by address.
+# Code execution from data, other processes, network, memory by address.
 MODULES = {
     *("pickle", "cPickle", "_pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"),
     *("code", "codeop", "runpy", "pty", "subprocess", "multiprocessing", "concurrent"),
@@ -23,7 +23,7 @@ MODULES = {
 CALLS = {"eval", "exec", "compile", "__import__", "breakpoint"}
 OF_OS = ("system", "popen", "exec", "spawn", "posix_spawn", "fork", "startfile", "kill")
 
-# What is there by intent; SECURITY.md tells it.
+# Intended uses, which SECURITY.md describes.
 DASK = "Dask runs work on the machines of a cluster that the caller has made and trusts"
 INTENDED = {
     ("addon/blender/surface/images.py", "ctypes"): "keeps a Python object alive; loads no library",

@@ -63,7 +63,7 @@ def test_given_normals_are_those_of_samples_and_stay_off_moved_surfaces():
     np.testing.assert_allclose(surface.corner_normals, normals / 5.0, atol=1e-15)
     samples = dapple.sample(surface, 20)
     np.testing.assert_allclose(samples.normals, normals[samples.faces, 0] / 5.0, atol=1e-12)
-    moved = surface.deformed(vertices + 1.0)  # smooth, as the given ones jump nowhere
+    moved = surface.deformed(vertices + 1.0)  # smooth, because the given normals have no jumps
     outward = vertices[faces] / np.sqrt(3.0)
     assert np.einsum("fki,fki->fk", moved.corner_normals, outward).min() > 0.8
     again = surface.deformed(vertices + 1.0, normals=normals)

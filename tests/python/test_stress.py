@@ -51,7 +51,7 @@ def cancelled(s, _rng):
     return dapple.sample(s.surface, 150, context=context, max_evaluations=50)
 
 
-ALONE = {  # the same bytes, whatever else goes on
+ALONE = {  # calls that return the same bytes whatever other threads do
     "sample": lambda s: dapple.sample(s.surface, 90, **FEW),
     "classes": lambda s: dapple.sample_classes(s.surface, [30, 40], **FEW),
     "resample": lambda s: dapple.resample(s.surface, s.samples, 110, **FEW),
@@ -60,7 +60,7 @@ ALONE = {  # the same bytes, whatever else goes on
     "copy": lambda s: dapple.sample(copy.deepcopy(s.surface), 40, **FEW),
     "deformed": lambda s: dapple.sample(s.surface.deformed(s.frames[2]), 40, **FEW),
 }
-TOGETHER = [  # may be refused, never crash
+TOGETHER = [  # calls that may be rejected but never crash
     write,
     cancelled,
     lambda s, rng: s.tracker.advance(s.frames[rng.integers(5)]),

@@ -58,7 +58,7 @@ def test_a_cancelled_frame_leaves_the_tracker_as_it_was(large):
     tracker = dapple.Tracker(large, samples, **options)
     context = dapple.Context()
     watcher = cancel_at(context, 1e-4)
-    moved = large.vertices * [1, 3, 0.2]  # too far to settle in an evaluation or two
+    moved = large.vertices * [1, 3, 0.2]  # too far to settle within two evaluations
     with pytest.raises(dapple.Cancelled):
         tracker.advance(moved, context=context)
     watcher.join()

@@ -131,7 +131,7 @@ def test_tracks_more_samples_than_faces(data):
     tracker = dapple.Tracker(surface, dapple.sample(surface, 2 * len(frames["F"])))
     found = follow(tracker, frames["frames"][1:8])
     print(found)
-    assert found["kept"] > 0.99  # its limbs touch and part, and cells cross the gap
+    assert found["kept"] > 0.99  # the limbs touch and separate, and cells bridge the gap
 
 
 def test_discs_stay_apart_on_a_body_that_bends():

@@ -154,7 +154,7 @@ def test_prototypes_lie_where_they_are_from_the_file(tmp_path, whole):
     stage = Usd.Stage.Open(str(moved / "shots" / "shot.usda"))
     below = stage.GetPrimAtPath("/dapple/points/prototypes/class_0/leaves")
     assert below.IsA(UsdGeom.PointInstancer)
-    check_same(*usd.read(moved / "shots" / "shot.usda").frames, whole)  # not those of the fern
+    check_same(*usd.read(moved / "shots" / "shot.usda").frames, whole)  # not the frames of the fern
 
 
 def test_a_held_prototype_needs_its_file_no_more(tmp_path, whole):

@@ -18,7 +18,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 SETTINGS = PROJECT["tool"]["cibuildwheel"]
 WORKFLOW = (ROOT / ".github" / "workflows" / "wheels.yml").read_text()
 PINS = "".join(path.read_text() for path in (ROOT / "scripts").glob("requirements*.txt"))
-# What vcpkg calls the systems of the workflow, and cibuildwheel the wheels that they make.
+# Names of the workflow's systems in vcpkg, and the wheels of cibuildwheel.
 SYSTEMS = {
     "ubuntu-24.04": ("x64-linux", "linux", "x86_64", "manylinux_x86_64"),
     "windows-2022": ("x64-windows", "windows", "AMD64", "win_amd64"),
@@ -78,7 +78,7 @@ def test_the_toolchain_hands_the_ports_to_vcpkg(tmp_path):
         env=os.environ | {"VCPKG_ROOT": str(tmp_path)},
     )
     assert found.stderr.split() == [str(PORTS), str(ROOT / "build" / "vcpkg-installed"), "ON"]
-    assert "path: build/vcpkg\n" in WORKFLOW  # where it looks by itself
+    assert "path: build/vcpkg\n" in WORKFLOW  # the default path
 
 
 def test_a_wheel_is_tested_with_all_that_the_tests_need():

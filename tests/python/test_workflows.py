@@ -11,7 +11,7 @@ import pytest
 yaml = pytest.importorskip("yaml", reason="pyyaml is not installed")
 ROOT = Path(__file__).parents[2]
 WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
-# What asks for a right to publish, or does so.
+# Steps that request permission to publish, or do so.
 PUBLISHING = ("twine", "gh-action-pypi-publish", "id-token", "packages: write", "pages: write")
 
 
@@ -63,7 +63,8 @@ def test_actions_have_a_version_and_contexts_are_there(name):
     job = JOBS[name]
     assert all(re.search(r"@v\d+$", step["uses"]) for step in job["steps"] if "uses" in step)
     whole = {key: value for key, value in job.items() if key != "steps"}
-    assert not re.search(r"\b(runner|steps|env|job)\.\w", str(whole))  # known to steps alone
+    # only steps know these contexts
+    assert not re.search(r"\b(runner|steps|env|job)\.\w", str(whole))
 
 
 @pytest.mark.parametrize("name", JOBS)

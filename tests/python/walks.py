@@ -16,18 +16,18 @@ from checks import check_samples, is_on_density, same_bytes
 from numpy.typing import NDArray
 from shapes import Mesh, grid, torus
 
-SAME = 1e-6  # relative: figures that are the same up to rounding
+SAME = 1e-6  # relative tolerance of figures that are equal up to rounding
 MOST_FACES = 300
 STEPS = 6
 MOST_GROWTH = 3.0
 
-# What may be refused although it is plain; all else is a fault.
+# Errors that are acceptable although the input is plain; all others are failures.
 REFUSALS = (
     "density is 0 wherever",
     "no area",
     "of which stay: they are locked",
     "locked: the count includes them",
-    "are possible",  # a surface that has grown so much
+    "are possible",  # the surface grew too much
     "distance squared is not finite",
     "energy is not finite",
 )
@@ -46,7 +46,7 @@ class Walk:
         self.samples = dapple.sample(self.surface, self.count(), seed=self.seed)
         self.locked: set[int] = set()
 
-    # ---- what is drawn ----
+    # ---- random inputs ----
 
     def note(self, text: str) -> None:
         self.steps.append(text)
@@ -363,13 +363,13 @@ class Walk:
         report = dapple.analyze(self.surface, self.samples)
         energy = dapple.evaluate_energy(self.surface, self.samples.positions, self.samples.faces)
         density = self.surface.density
-        # analyze() leaves out faces without density that are far from all samples, and parts
-        # without any: so only where there are none of either is it the whole energy.
+        # analyze() leaves out faces without density that are far from all samples, and components
+        # without any, so its energy is complete only if there are none of either.
         whole = self.surface.topology.components == 1
         if len(self.samples) and whole and (density is None or density.all()):
             assert np.isclose(report.energy, energy.normalized, rtol=SAME, atol=SAME)
 
-    # ---- what holds ----
+    # ---- checks ----
 
     def on_threads(self, verb: Callable[[int], dapple.Samples]) -> dapple.Samples:
         one, two = verb(1), verb(2)

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::ptrdiff_t kPatch = 8;  // sites of a neighborhood, which gets a number as a whole
 // The least surplus or deficit of a neighborhood that is corrected, in samples.
-constexpr double kReluctance = 0.75;
+constexpr double kLeastChange = 0.75;
 constexpr int kCandidates = 16;  // positions tried for a new site
 constexpr double kAround = 0.9;  // spacings from the host within which they lie
 constexpr int kRounds = 40;  // each at most doubles or halves the sites; the last one does the rest
@@ -35,10 +35,10 @@ constexpr OrderedFace kNone{-1};
 std::ptrdiff_t rounded(double x) { return static_cast<std::ptrdiff_t>(std::llround(x)); }
 
 /// The nearest integer between 0 and `change`, or the nearest integer of all if that is far off.
-std::ptrdiff_t reluctantly(double x, std::ptrdiff_t change) {
+std::ptrdiff_t rounded_toward(double x, std::ptrdiff_t change) {
   const std::ptrdiff_t inside = std::clamp(rounded(x), std::min<std::ptrdiff_t>(0, change),
                                            std::max<std::ptrdiff_t>(0, change));
-  return std::abs(x - static_cast<double>(inside)) <= kReluctance ? inside : rounded(x);
+  return std::abs(x - static_cast<double>(inside)) <= kLeastChange ? inside : rounded(x);
 }
 
 /// Integers close to the given real numbers, with the same sum. Changes are rounded toward 0 unless
@@ -61,7 +61,7 @@ std::vector<std::ptrdiff_t> whole_changes(const std::vector<double>& wanted) {
   std::ptrdiff_t owed = rounded(sum);
   for (; owed > 0; --owed) change(std::prev(rest.end()), 1);
   for (; owed < 0; ++owed) change(rest.begin(), -1);
-  while (std::prev(rest.end())->first - rest.begin()->first > 2.0 * kReluctance) {
+  while (std::prev(rest.end())->first - rest.begin()->first > 2.0 * kLeastChange) {
     change(std::prev(rest.end()), 1);
     change(rest.begin(), -1);
   }
@@ -107,7 +107,7 @@ class Round {
         diagram_(std::move(diagram)),
         fill_(sites.size(), 0.0),
         patch_(sites.size(), 0),
-        guests_(sites.size()) {
+        inserted_(sites.size()) {
     passed_.alive.assign(sites.size(), true);
   }
 
@@ -218,8 +218,8 @@ class Round {
     const double left = worth(first, middle) - static_cast<double>(middle - first);
     const double right = worth(middle, last) - static_cast<double>(last - middle);
     const double missed = static_cast<double>(change) - left - right;
-    const std::ptrdiff_t part = std::clamp(reluctantly(left + 0.5 * missed, change), first - middle,
-                                           change + (last - middle));
+    const std::ptrdiff_t part = std::clamp(rounded_toward(left + 0.5 * missed, change),
+                                           first - middle, change + (last - middle));
     split(first, middle, part);
     split(middle, last, change - part);
   }
@@ -370,7 +370,7 @@ class Round {
       most = room;
       best = k;
     }
-    guests_[host].push_back(passed_.fresh.size());
+    inserted_[host].push_back(passed_.fresh.size());
     add(found, best);
   }
 
@@ -425,7 +425,7 @@ class Round {
     std::vector<Vec3> result;
     for (const std::size_t s : near) {
       if (passed_.alive[s]) result.push_back(sites_.positions[s]);
-      for (const std::size_t guest : guests_[s]) result.push_back(passed_.fresh.positions[guest]);
+      for (const std::size_t index : inserted_[s]) result.push_back(passed_.fresh.positions[index]);
     }
     return result;
   }
@@ -443,10 +443,10 @@ class Round {
   std::vector<OrderedFace> largest_;  // per island: the face of largest capacity
   std::vector<double> fill_;          // per site: the number of samples that its cell should hold
   std::vector<std::size_t> patch_;    // per site
-  std::vector<std::ptrdiff_t> changes_;           // per patch: samples still to insert or to remove
-  std::vector<double> lacks_;                     // per patch: deficit in samples
-  std::vector<std::vector<std::size_t>> guests_;  // per site: the sites inserted beside it
-  double made_ = 0.0, wanted_ = 0.0;              // work, apart from the cells
+  std::vector<std::ptrdiff_t> changes_;  // per patch: samples still to insert or to remove
+  std::vector<double> lacks_;            // per patch: deficit in samples
+  std::vector<std::vector<std::size_t>> inserted_;  // per site: the sites inserted beside it
+  double made_ = 0.0, wanted_ = 0.0;                // work, apart from the cells
   std::size_t changed_ = 0;
   Passed passed_;
 };

@@ -17,11 +17,11 @@ namespace {
 constexpr double kDraws = 12.0;   // random points per site
 constexpr std::size_t kMore = 8;  // factor if these are too few
 constexpr std::size_t kMost = 1 << 21;
-constexpr std::size_t kFew = 1 << 16;  // points: cheap up to this number
-constexpr std::size_t kAsked = 4;      // nearest sites tested for being on the same side of a wall
-constexpr double kReach = 1.5;         // of the gap: range in which a new site matters
-constexpr std::size_t kGrain = 256;    // points
-constexpr std::size_t kNobody = ~std::size_t{0};
+constexpr std::size_t kFew = 1 << 16;   // points: cheap up to this number
+constexpr std::size_t kCandidates = 4;  // nearest sites tested for being on the same side of a wall
+constexpr double kReach = 1.5;          // of the gap: range in which a new site matters
+constexpr std::size_t kGrain = 256;     // points
+constexpr std::size_t kNone = ~std::size_t{0};
 
 /// A candidate position.
 struct Place {
@@ -59,7 +59,7 @@ std::vector<Place> draw_places(const Surface& surface, const Gaps& gaps, std::si
         return see_each_other(darts[k], sites[static_cast<std::size_t>(n.index)]);
       };
       tree.nearest(darts[k].position, 1, near);
-      if (!sees(near.front())) tree.nearest(darts[k].position, kAsked, near);
+      if (!sees(near.front())) tree.nearest(darts[k].position, kCandidates, near);
       const auto first = std::find_if(near.begin(), near.end(), sees);
       // If all of them are on the other side, sites on the point's side are farther away.
       const Neighbor& nearest = first != near.end() ? *first : near.back();
@@ -85,7 +85,7 @@ class Filling {
   /// The next position; null if none is left.
   const Dart* next() {
     const std::size_t k = widest();
-    if (k == kNobody) return nullptr;
+    if (k == kNone) return nullptr;
     const Place taken = places_[k];
     tree_.within(taken.dart.position, kReach * std::sqrt(taken.squared_distance), near_);
     for (const Neighbor& n : near_) {
@@ -110,7 +110,7 @@ class Filling {
       waiting_.push_back({now, k});
       std::push_heap(waiting_.begin(), waiting_.end());
     }
-    return kNobody;
+    return kNone;
   }
 
   std::vector<Place> places_;

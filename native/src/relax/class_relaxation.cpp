@@ -68,7 +68,7 @@ Sites left_of(const RelaxedClass& one) {
   return select(one.sites, alive);
 }
 
-Companion companion(const RelaxedClass& one) {
+Participant participant(const RelaxedClass& one) {
   return {&one.surface, static_cast<double>(wanted(one)) / one.surface.capacity(), one.radius};
 }
 
@@ -174,22 +174,22 @@ std::vector<OrderedFace> ClassRelaxation::faces_to_relax(const RelaxedClass& one
 
 /// The given classes, and others with at most about as many samples; more frequent classes adapt
 /// later.
-Company ClassRelaxation::company_of(std::span<const std::size_t> selves) const {
-  Company company{{}, {}, options_.union_weight};
+Participants ClassRelaxation::participants_of(std::span<const std::size_t> group) const {
+  Participants participants{{}, {}, options_.union_weight};
   std::size_t least = std::numeric_limits<std::size_t>::max();
-  for (const std::size_t c : selves) {
-    company.selves.push_back(companion(classes_[c]));
+  for (const std::size_t c : group) {
+    participants.relaxed.push_back(participant(classes_[c]));
     least = std::min(least, wanted(classes_[c]));
   }
   for (std::size_t k = 0; k < classes_.size(); ++k) {
-    if (std::find(selves.begin(), selves.end(), k) != selves.end() || wanted(classes_[k]) == 0 ||
+    if (std::find(group.begin(), group.end(), k) != group.end() || wanted(classes_[k]) == 0 ||
         (!done_[k] &&
          static_cast<double>(wanted(classes_[k])) >= kRarer * static_cast<double>(least)))
       continue;
-    company.others.push_back(companion(classes_[k]));
-    company.others.back().sites = left_of(classes_[k]);
+    participants.fixed.push_back(participant(classes_[k]));
+    participants.fixed.back().sites = left_of(classes_[k]);
   }
-  return company;
+  return participants;
 }
 
 /// Create the first samples of a class without samples.
@@ -218,11 +218,11 @@ void ClassRelaxation::relax(std::size_t c, Context* context) {
   const Sites before = one.sites;
   settle_components(one.surface, faces, one.sites);
   one.locked.resize(one.sites.size(), false);
-  const Company company = company_of({&c, 1});
+  const Participants participants = participants_of({&c, 1});
   const RelaxOptions options{
       .seed = options_.seed, .optimizer = options_.optimizer, .count = one.count};
   Relaxation relaxation(one.surface, one.sites, one.locked, options,
-                        classes_.size() > 1 ? &company : nullptr);
+                        classes_.size() > 1 ? &participants : nullptr);
   relaxation.run(faces, context);
   one.sites = relaxation.sites();
   one.faces = relaxation.faces();
@@ -250,16 +250,16 @@ void ClassRelaxation::relax_together(std::span<const std::size_t> group, Context
   std::vector<Region> regions;
   std::vector<std::unique_ptr<const SurfaceDomain>> domains;
   for (const std::size_t c : group) regions.push_back(region_on(classes_[c], faces, context));
-  std::vector<Self> selves;
-  const Company company = company_of(group);
+  std::vector<FreeClass> free_classes;
+  const Participants participants = participants_of(group);
   for (std::size_t k = 0; k < group.size(); ++k) {
     const auto& domain = domains.emplace_back(std::make_unique<const SurfaceDomain>(
         regions[k].part.surface(), Cells::kConnected, Steps::kConnected, /*sides=*/nullptr,
         EmptyFaces::kLeft));
-    selves.push_back(
-        {&regions[k], domain.get(), domain->density_unit() / company.selves[k].weight});
+    free_classes.push_back(
+        {&regions[k], domain.get(), domain->density_unit() / participants.relaxed[k].weight});
   }
-  const Minimum found = even_among(selves, company, options_.optimizer, context);
+  const Minimum found = minimize_free(free_classes, participants, options_.optimizer, context);
   store(group, regions, found);
 }
 

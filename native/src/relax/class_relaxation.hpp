@@ -4,7 +4,7 @@
 #include <dapple/relax.hpp>
 #include <dapple/samples.hpp>
 
-#include "relax/company.hpp"
+#include "relax/participants.hpp"
 #include "surface/ordered_face.hpp"
 #include "surface/sides.hpp"
 
@@ -49,7 +49,7 @@ class ClassRelaxation {
            double radius);
   void deal_out(const Samples& samples, const Sites& sites);
   [[nodiscard]] std::vector<OrderedFace> faces_to_relax(const RelaxedClass& one) const;
-  [[nodiscard]] Company company_of(std::span<const std::size_t> selves) const;
+  [[nodiscard]] Participants participants_of(std::span<const std::size_t> group) const;
   void begin(RelaxedClass& one, std::size_t count, Context* context) const;
   void relax(std::size_t c, Context* context);
   void relax_together(std::span<const std::size_t> group, Context* context);

@@ -28,7 +28,7 @@ constexpr double kUneven = 0.02;  // of the capacity: a border cell that is off 
 constexpr double kPushed = 0.01;  // of the capacity: but only if it is now off by this much more
 constexpr int kGrowths = 16;
 constexpr std::size_t kHole = 256;  // most faces of a hole that is filled
-constexpr int kHardlyAny = 16;      // sites: too few to determine the capacity
+constexpr int kFewSites = 16;       // sites: too few to determine the capacity
 constexpr double kNear = 0.5;       // spacings: a site this close to a face with density is kept
 // Share of the free sites that may be surplus or missing for the capacity around them; if more are,
 // further sites are freed.
@@ -73,10 +73,10 @@ void check_wanted(std::span<const Member> members, const RestrictedVoronoi& diag
 }  // namespace
 
 Relaxation::Relaxation(const Surface& surface, Sites sites, std::vector<bool> locked,
-                       const RelaxOptions& options, const Company* company)
+                       const RelaxOptions& options, const Participants* participants)
     : surface_(surface),
       options_(options),
-      company_(company),
+      others_(participants),
       given_(sites.size()),
       sites_(std::move(sites)),
       alive_(given_, true),
@@ -89,7 +89,7 @@ void Relaxation::run(std::span<const OrderedFace> changed, Context* context) {
   Stretch first(context, kBalanced, kFirst);
   changed_ = changed;
   owners_ = region_ = rings_.owners(changed, context);
-  for (int k = 0; k < (company_ ? 1 : kFreeRings); ++k) region_ = rings_.grown(region_, context);
+  for (int k = 0; k < (others_ ? 1 : kFreeRings); ++k) region_ = rings_.grown(region_, context);
   std::vector<OrderedFace> faces = faces_around(context);
   if (is_void(faces) && !options_.count) return empty();
   for (; is_void(faces); faces = faces_around(context)) widen(context);
@@ -98,7 +98,7 @@ void Relaxation::run(std::span<const OrderedFace> changed, Context* context) {
   if (region.members.empty() || is_settled(region)) return;
   Indices uneven = even_out(region, first.context());
   double done = kFirst;
-  for (int k = 0; !company_ && k < kGrowths && !uneven.empty(); ++k) {
+  for (int k = 0; !others_ && k < kGrowths && !uneven.empty(); ++k) {
     const double before = std::exchange(done, done + kGrown * (1.0 - done));
     Stretch step(context, before, done);
     uneven = grow_at(uneven, step.context());
@@ -108,9 +108,9 @@ void Relaxation::run(std::span<const OrderedFace> changed, Context* context) {
 /// Whether no site was inserted or removed and cells have about their target size. If other classes
 /// adapt to this one, a small change is not worth moving all of their samples.
 bool Relaxation::is_settled(const Region& region) const {
-  if (!company_ || sites_.size() > given_ ||
+  if (!others_ || sites_.size() > given_ ||
       std::find(alive_.begin(), alive_.end(), false) != alive_.end() ||
-      discs_overlap(region, *company_))
+      discs_overlap(region, *others_))
     return false;
   return std::all_of(region.members.begin(), region.members.end(), [&](const auto& member) {
     const double off = first_capacities_.at(member.site) / share_ - 1.0;
@@ -352,8 +352,8 @@ double Relaxation::capacity_elsewhere() const {
     return !is_changed[as_index(surface_.ordered().ordered_face(f))];
   });
   const double all = surface_.ordered().unit_capacity();
-  return left >= kHardlyAny && all > capacity ? (all - capacity) / static_cast<double>(left)
-                                              : all / static_cast<double>(given_);
+  return left >= kFewSites && all > capacity ? (all - capacity) / static_cast<double>(left)
+                                             : all / static_cast<double>(given_);
 }
 
 /// The target capacity of the open sites, chosen so that the count is reached; 0 if there are no
@@ -436,9 +436,9 @@ Relaxation::Indices Relaxation::even_out(const Region& region, Context* context)
 Minimum Relaxation::minimum(const Region& region, const SurfaceDomain& domain,
                             Context* context) const {
   const OptimizerOptions& optimizer = options_.optimizer;
-  if (company_) {
-    const Self self{&region, &domain, share_};
-    return even_among({&self, 1}, *company_, optimizer, context);
+  if (others_) {
+    const FreeClass own{&region, &domain, share_};
+    return minimize_free({&own, 1}, *others_, optimizer, context);
   }
   const PartDomain share(domain, share_, region.members.size());
   const Objective objective{.capacity_weight = optimizer.capacity_weight,

@@ -5,7 +5,7 @@
 #include <dapple/samples.hpp>
 
 #include "optimize/minimizer.hpp"
-#include "relax/company.hpp"
+#include "relax/participants.hpp"
 #include "relax/region.hpp"
 #include "relax/rings.hpp"
 
@@ -18,11 +18,11 @@ struct Thinned;
 /// border are even.
 class Relaxation {
  public:
-  /// \param surface, options, company must outlive the relaxation
+  /// \param surface, options, participants must outlive the relaxation
   /// \param locked per site, whether it stays where it is
-  /// \param company the other classes; null if there are none
+  /// \param participants the other classes; null if there are none
   Relaxation(const Surface& surface, Sites sites, std::vector<bool> locked,
-             const RelaxOptions& options, const Company* company = nullptr);
+             const RelaxOptions& options, const Participants* participants = nullptr);
 
   /// \param changed faces; sorted
   /// \throw ArgumentError for a count that the region cannot reach; Cancelled
@@ -79,7 +79,7 @@ class Relaxation {
 
   const Surface& surface_;
   const RelaxOptions& options_;
-  const Company* company_;
+  const Participants* others_;
   std::size_t given_;  // sites; new ones follow
   Sites sites_;
   std::vector<bool> alive_;

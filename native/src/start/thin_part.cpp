@@ -26,10 +26,10 @@ constexpr double kSlabs = 4.0;        // slabs per point
 constexpr double kMostPieces = 0x1p24;  // most pieces of faces; with more, it is not tried
 constexpr std::size_t kSpur = 8;        // most slabs of a dead end that is visited first
 constexpr int kTries = 8;  // candidates in a slab; the one farthest from the last ones is taken
-constexpr std::size_t kLast = 12;   // number of last positions
-constexpr double kAround = 4.0;     // spacings within which darts are counted
-constexpr double kCrowd = 40.0;     // fewer darts indicate a thin body: on a plane there are 58
-constexpr std::size_t kAsked = 32;  // darts of a component whose neighbors are counted
+constexpr std::size_t kLast = 12;     // number of last positions
+constexpr double kAround = 4.0;       // spacings within which darts are counted
+constexpr double kCrowd = 40.0;       // fewer darts indicate a thin body: on a plane there are 58
+constexpr std::size_t kCounted = 32;  // darts of a component whose neighbors are counted
 
 /// The part of a triangle where a linear function is between two levels, in barycentric
 /// coordinates.
@@ -433,14 +433,14 @@ class Course {
 
 /// Whether the darts of a component have fewer darts around them than on a plane.
 bool is_sparse(const std::vector<Dart*>& darts, double spacing) {
-  const std::size_t step = (darts.size() + kAsked - 1) / kAsked;
-  std::size_t around = 0, asked = 0;
-  for (std::size_t k = 0; k < darts.size(); k += step, ++asked) {
+  const std::size_t step = (darts.size() + kCounted - 1) / kCounted;
+  std::size_t around = 0, counted = 0;
+  for (std::size_t k = 0; k < darts.size(); k += step, ++counted) {
     const double reach = kAround * spacing / std::sqrt(darts[k]->density);
     for (const Dart* dart : darts)
       if ((dart->position - darts[k]->position).squaredNorm() < reach * reach) ++around;
   }
-  return static_cast<double>(around) < (kCrowd + 1.0) * static_cast<double>(asked);
+  return static_cast<double>(around) < (kCrowd + 1.0) * static_cast<double>(counted);
 }
 
 /// The darts of each component that may be thin, except components with locked darts.

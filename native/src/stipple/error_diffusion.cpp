@@ -64,7 +64,7 @@ class Diffusion {
  public:
   Diffusion(std::span<const Image> densities, std::span<const std::size_t> counts,
             std::uint64_t seed)
-      : wanted_(densities, counts), counts_(counts), random_(seed), homeless_(counts.size(), 0.0) {
+      : wanted_(densities, counts), counts_(counts), random_(seed), unplaced_(counts.size(), 0.0) {
     for (std::size_t row = 0; row < wanted_.rows(); ++row)
       for (std::size_t column = 0; column < wanted_.columns(); ++column)
         filled_.push_back(total(wanted_.at(row, column)) > 0.0);
@@ -96,8 +96,8 @@ class Diffusion {
     if (!filled(static_cast<std::ptrdiff_t>(row), static_cast<std::ptrdiff_t>(column))) return;
     const std::span<double> lack = wanted_.at(row, column);
     for (std::size_t c = 0; c < lack.size(); ++c) {
-      lack[c] += homeless_[c];
-      homeless_[c] = 0.0;
+      lack[c] += unplaced_[c];
+      unplaced_[c] = 0.0;
     }
     for (double left = std::round(total(lack)); left > 0.0; left -= 1.0) {
       const auto most = std::max_element(lack.begin(), lack.end());
@@ -123,7 +123,7 @@ class Diffusion {
     double weights = 0.0;
     for (const Share& share : shares)
       if (filled(share.row, share.column)) weights += share.weight;
-    for (std::size_t c = 0; c < lack.size() && weights == 0.0; ++c) homeless_[c] += lack[c];
+    for (std::size_t c = 0; c < lack.size() && weights == 0.0; ++c) unplaced_[c] += lack[c];
     for (const Share& share : shares) {
       if (weights == 0.0 || !filled(share.row, share.column)) continue;
       const std::span<double> to =
@@ -168,7 +168,7 @@ class Diffusion {
   std::span<const std::size_t> counts_;
   Random random_;
   std::vector<bool> filled_;
-  std::vector<double> homeless_;  // deficits that no neighboring block could take
+  std::vector<double> unplaced_;  // deficits that no neighboring block could take
   Diffused dots_;
 };
 

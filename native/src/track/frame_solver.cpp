@@ -180,7 +180,7 @@ Beginning on_density(const Surface& surface, const Frame& frame,
                      std::span<const std::int32_t> class_of, const Sites& start, const Sites* home,
                      Moved moved, Context* context) {
   Beginning result{start, home ? std::optional(*home) : std::nullopt};
-  std::vector<std::int32_t> homeless;
+  std::vector<std::int32_t> off_density;
   for (std::size_t c = 0; c < frame.classes.size(); ++c) {
     const std::optional<Surface>& mine = frame.classes[c].surface;
     const Surface& own = mine ? *mine : surface;
@@ -189,7 +189,7 @@ Beginning on_density(const Surface& surface, const Frame& frame,
       others[k] = frame.classes.size() > 1 && class_of[k] != static_cast<std::int32_t>(c);
       if (others[k] || !home || own.uniform()) continue;
       if (!is_on_density(own, home->faces[k], home->barycentric[k]))
-        homeless.push_back(static_cast<std::int32_t>(k));
+        off_density.push_back(static_cast<std::int32_t>(k));
     }
     const Domain& domain = *frame.problem.classes[c].domain;
     lead_to_density(own, domain, result.start, others);
@@ -201,8 +201,8 @@ Beginning on_density(const Surface& surface, const Frame& frame,
     const auto gone = spread(own, domain, members, start, moved, result.start, context);
     result.elsewhere.insert(result.elsewhere.end(), gone.begin(), gone.end());
   }
-  homeless.insert(homeless.end(), result.elsewhere.begin(), result.elsewhere.end());
-  if (result.home) put(*result.home, homeless, select(result.start, homeless));
+  off_density.insert(off_density.end(), result.elsewhere.begin(), result.elsewhere.end());
+  if (result.home) put(*result.home, off_density, select(result.start, off_density));
   return result;
 }
 

@@ -22,10 +22,11 @@ namespace {
 
 // The number of samples changes only if it differs from the ideal number by at least this much.
 // Otherwise the same sample of a breathing body would appear and vanish repeatedly.
-constexpr double kReluctance = 0.75;
+constexpr double kLeastChange = 0.75;
 constexpr double kResized =
     0.8;  // share of the progress of a frame: births and deaths of all classes are done
-constexpr double kAlike = 0.0025;  // relative difference of area between meshes of the same shape
+constexpr double kSameShape =
+    0.0025;  // relative difference of area between meshes of the same shape
 // Progress of a frame with new faces: positions are found, births and deaths are done.
 constexpr double kFound = 0.1, kBegun = 0.4;
 
@@ -37,7 +38,7 @@ void check_wanted(double wanted, std::size_t now) {
 }
 
 std::size_t whole_count(double wanted, std::size_t now) {
-  if (std::abs(wanted - static_cast<double>(now)) < kReluctance) return now;
+  if (std::abs(wanted - static_cast<double>(now)) < kLeastChange) return now;
   check_wanted(wanted, now);
   return static_cast<std::size_t>(std::llround(wanted));
 }
@@ -217,8 +218,8 @@ Population::Crossing Population::cross(const Surface& next, Context* context) co
   const Kind& kind = kinds_[0];
   Crossing result{tracker_,
                   {},
-                  std::clamp(now / next.capacity(), (1.0 - kAlike) * kind.first_density,
-                             (1.0 + kAlike) * kind.first_density)};
+                  std::clamp(now / next.capacity(), (1.0 - kSameShape) * kind.first_density,
+                             (1.0 + kSameShape) * kind.first_density)};
   const std::size_t count = whole_count(result.density * next.capacity(), last.size());
   Stretch beginning(context, kFound, kBegun), evening(context, kBegun, 1.0);
   const Transfer transfer(surface(), next, sites_of(last), {kind.density, options_.reach}, context);

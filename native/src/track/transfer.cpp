@@ -16,7 +16,7 @@ namespace {
 constexpr double kAmple = 2.5;  // of the distance that half of a component's samples move: others
                                 // need more, but up to half may have lost their surface
 constexpr std::size_t kAround = 24;  // neighbors that are assumed to move alike
-constexpr double kDoubt = 0.1;       // weight of not moving, relative to the number of neighbors
+constexpr double kDamping = 0.1;     // weight of not moving, relative to the number of neighbors
 constexpr double kFarthest =
     0.25;  // of a component's size: surfaces farther away belong to another component
 
@@ -85,7 +85,7 @@ Sites Transfer::moved(const Sites& sites, const Nearest& near) const {
 /// The translation that brings sites closest to the planes of their nearest points (least squares).
 Vec3 Transfer::common_way(const Sites& sites, const Nearest& near,
                           std::span<const Neighbor> which) const {
-  Eigen::Matrix3d planes = kDoubt * static_cast<double>(kAround) * Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d planes = kDamping * static_cast<double>(kAround) * Eigen::Matrix3d::Identity();
   Vec3 sum = Vec3::Zero();
   for (const Neighbor& one : which) {
     const std::size_t k = at(one.index);

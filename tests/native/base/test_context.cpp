@@ -70,7 +70,7 @@ TEST(Context, IsDoneAtOne) {
   EXPECT_EQ(context.progress(), 1.0);
 }
 
-TEST(Poll, IsAskedNowAndThenInItsOwnThread) {
+TEST(Poll, IsCalledAtIntervalsInItsOwnThread) {
   int asked = 0;
   Poll poll([&] { return ++asked < 2; });
   const Context context;
@@ -107,7 +107,7 @@ TEST(Poll, StopsWhatItsThreadBeginsWhileItLives) {
   EXPECT_EQ(Poll::current(), nullptr);
 }
 
-TEST(Poll, StopsLoopsThatNobodyWatches) {
+TEST(Poll, StopsLoopsWithoutAContext) {
   Poll poll;
   poll.stop();
   std::atomic<int> chunks = 0;

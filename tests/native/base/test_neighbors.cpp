@@ -20,7 +20,7 @@ std::vector<Neighbor> sorted_by_distance(const std::vector<Vec3>& points, const 
   return all;
 }
 
-TEST(Neighbors, TellNearestDistances) {
+TEST(Neighbors, GiveNearestDistances) {
   Random random(8);
   std::vector<Vec3> points(300);
   for (Vec3& p : points) p = random.in_box();
@@ -58,7 +58,7 @@ TEST(Neighbors, SortTiesByIndex) {
   std::vector<Vec3> points;
   for (int x = -2; x <= 2; ++x)
     for (int y = -2; y <= 2; ++y) points.emplace_back(x, y, 0);
-  points.insert(points.end(), 3, Vec3::Zero());  // copies of the middle one
+  points.insert(points.end(), 3, Vec3::Zero());  // copies of the middle point
   const Neighbors tree(points);
   std::vector<Neighbor> found;
   tree.nearest(Vec3::Zero(), points.size(), found);
@@ -66,7 +66,7 @@ TEST(Neighbors, SortTiesByIndex) {
   for (std::size_t k = 0; k < points.size(); ++k) EXPECT_EQ(found[k].index, expected[k].index) << k;
 }
 
-TEST(Neighbors, GiveAllWhenAskedForMore) {
+TEST(Neighbors, GiveAllIfMoreAreRequested) {
   const std::vector<Vec3> points = {{1, 0, 0}, {0, 0, 0}};
   const Neighbors tree(points);
   std::vector<Neighbor> found;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Options of a struct, each of which is set in turn.
+/// Options of a struct; the tests set one at a time.
 template <class Options>
 class EveryOption : public testing::Test {};
 

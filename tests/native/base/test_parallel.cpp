@@ -16,8 +16,8 @@ int concurrency_with(int threads) {
   return with_threads(threads, [] { return tbb::this_task_arena::max_concurrency(); });
 }
 
-/// An arena for each call is kept for long where workers get no processor.
-TEST(WithThreads, MakesNoArenaWhereAllThreadsMayWork) {
+/// If each call makes an arena, TBB keeps it for a long time when its workers get no processor.
+TEST(WithThreads, MakesNoArenaForAllThreads) {
   tbb::task_arena caller(1);
   caller.execute([] {
     EXPECT_EQ(concurrency_with(0), 1);
@@ -26,14 +26,14 @@ TEST(WithThreads, MakesNoArenaWhereAllThreadsMayWork) {
   });
 }
 
-TEST(WithThreads, TakesNoMoreThanAsked) {
+TEST(WithThreads, UsesAtMostTheRequestedThreads) {
   EXPECT_EQ(concurrency_with(0), tbb::this_task_arena::max_concurrency());
   EXPECT_EQ(concurrency_with(1), 1);
   tbb::task_arena caller(3);
   EXPECT_EQ(caller.execute([] { return concurrency_with(2); }), 2);
 }
 
-TEST(WithThreads, PassesOnWhatIsThrown) {
+TEST(WithThreads, PassesExceptionsOn) {
   for (const int threads : {0, 1}) {
     const auto work = [] { throw std::runtime_error("from inside"); };
     expect_message<std::runtime_error>([&] { with_threads(threads, work); }, {"from inside"});
@@ -41,9 +41,9 @@ TEST(WithThreads, PassesOnWhatIsThrown) {
   expect_message<ArgumentError>([] { (void)concurrency_with(-1); }, {"threads", "-1"});
 }
 
-/// Whatever was set where TBB began to work: a denormal number that one of them takes for zero
-/// would make a result depend on who computes it.
-TEST(Parallel, AllThreadsRoundAsTheCaller) {
+/// The rounding mode of the caller applies to all workers. If one worker flushed denormal numbers
+/// to zero, results would depend on the distribution of the work.
+TEST(Parallel, AllThreadsUseTheCallersRounding) {
   for (const int threads : {0, 1}) {
     std::vector<int> modes(64, -1);
     std::fesetround(FE_UPWARD);

@@ -6,7 +6,7 @@
 namespace dapple::test {
 namespace {
 
-/// The first numbers of SplitMix64 from 0, as its authors' code gives them.
+/// The first numbers of SplitMix64 with seed 0, from the code of its authors.
 TEST(Random, IsSplitMix64) {
   Random random(0);
   EXPECT_EQ(random.bits(), 0xe220a8397b1dcdafu);

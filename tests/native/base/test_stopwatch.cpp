@@ -79,7 +79,7 @@ TEST(Stopwatch, CarriesProgressAndCancelThrough) {
   EXPECT_TRUE(context.cancelled());
 }
 
-TEST(Laps, CountOnlyWhileSomeoneAsks) {
+TEST(Laps, CountOnlyWhileMeasured) {
   Laps laps;
   const auto work = [&] {
     const Laps::Lap lap(laps);

@@ -14,7 +14,7 @@
 namespace dapple::test {
 namespace {
 
-/// Largest deviation from the expected value, of the largest expected.
+/// The largest deviation from the expected values, relative to the largest of them.
 double worst(const Shape& shape, int smoothing, const DensityFunction& expected) {
   const std::vector<double> found = curvedness(shape.surface(), smoothing);
   double off = 0.0, most = 0.0;
@@ -36,7 +36,7 @@ double torus_curvedness(const Vec3& p) {
   return std::hypot(1.0 / 0.4, along_ring) / std::numbers::sqrt2;
 }
 
-/// Mean and standard deviation over mean.
+/// The mean, and the standard deviation divided by it.
 std::array<double, 2> spread(const std::vector<double>& values) {
   double sum = 0.0, squares = 0.0;
   for (const double value : values) {
@@ -48,7 +48,7 @@ std::array<double, 2> spread(const std::vector<double>& values) {
   return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean)) / mean};
 }
 
-/// A sphere scanned with an error, of the distance between vertices.
+/// A scanned sphere; `error` is relative to the distance between vertices.
 Shape noisy_sphere(double noise) {
   const Shape sphere = icosphere(5);
   const double pitch =
@@ -80,7 +80,7 @@ TEST(Curvedness, VanishesOnAPlane) {
   for (const double value : curvedness(tilted.surface())) EXPECT_LE(value, 1e-12);
 }
 
-TEST(Curvedness, BearsNoise) {
+TEST(Curvedness, ToleratesNoise) {
   const auto [mean, rough] = spread(curvedness(noisy_sphere(0.05).surface(), 0));
   const auto [smooth_mean, smooth] = spread(curvedness(noisy_sphere(0.05).surface()));
   std::cout << "noisy sphere: mean " << mean << ", spread " << rough << "; smoothed " << smooth_mean
@@ -90,8 +90,8 @@ TEST(Curvedness, BearsNoise) {
   EXPECT_GE(rough, 2.0 * smooth);
 }
 
-/// Half a sphere: the normals at its border lean to one side.
-TEST(Curvedness, TakesOverWhatLiesNextToABorder) {
+/// Half a sphere: normals at its border are averages over faces on one side only.
+TEST(Curvedness, CopiesInteriorValuesToABorder) {
   Shape half = icosphere(4);
   std::erase_if(half.faces, [&](const Face& face) {
     return std::any_of(face.begin(), face.end(), [&](std::int32_t v) {
@@ -103,7 +103,7 @@ TEST(Curvedness, TakesOverWhatLiesNextToABorder) {
     for (const std::int32_t v : face) EXPECT_NEAR(found[static_cast<std::size_t>(v)], 1.0, 0.1);
 }
 
-TEST(Curvedness, DoesNotSeeWhichWayFacesAreTurned) {
+TEST(Curvedness, IgnoresTheOrientationOfFaces) {
   const Shape straight = blob(3);
   Shape turned = straight;
   for (std::size_t f = 0; f < turned.faces.size(); f += 3)
@@ -112,7 +112,7 @@ TEST(Curvedness, DoesNotSeeWhichWayFacesAreTurned) {
   for (std::size_t v = 0; v < a.size(); ++v) EXPECT_NEAR(a[v], b[v], 1e-9 * a[v]);
 }
 
-TEST(Curvedness, DoesNotSeeTheDensity) {
+TEST(Curvedness, IgnoresTheDensity) {
   const Shape shape = blob(2);
   EXPECT_EQ(curvedness(shape.surface()),
             curvedness(with_face_density(shape, [](const Vec3& p) { return p.norm(); }).surface()));

@@ -14,7 +14,7 @@
 namespace dapple::test {
 namespace {
 
-/// A cube of twelve faces with three walls in it, crossing each other: a room of a few large faces.
+/// A cube of twelve faces with three walls inside that cross each other.
 Shape room() {
   Shape shape = box(1);
   for (int axis = 0; axis < 3; ++axis)
@@ -59,7 +59,7 @@ TEST(CutSurface, SitesLieOnPiecesOfTheirFaces) {
     const auto cut = cut_for(surface, 3000);
     ASSERT_NE(cut, nullptr) << shape.name;
     Random random(3);
-    const Sites sites = troubled_sites(shape, 500, random);
+    const Sites sites = degenerate_sites(shape, 500, random);
     const Sites found = cut->on_pieces(sites);
     for (std::size_t k = 0; k < sites.size(); ++k) {
       EXPECT_EQ(cut->parent(found.faces[k]), sites.faces[k]);

@@ -27,7 +27,7 @@ EdgeMarks longer_than(double limit, const Piece& piece) {
   return marks;
 }
 
-/// Edges shorter the nearer they are to a point.
+/// Edge lengths that decrease toward a point.
 Criterion finer_toward(const Vec3& point, double size) {
   return [=](const Piece& piece) {
     const Vec3 middle = (piece.corners[0] + piece.corners[1] + piece.corners[2]) / 3.0;
@@ -35,7 +35,7 @@ Criterion finer_toward(const Vec3& point, double size) {
   };
 }
 
-/// Length of the edges with that many faces, or more than two for 3.
+/// The length of the edges with `faces` faces; 3 stands for more than two.
 double edge_length(const Surface& surface, int with_faces) {
   double sum = 0.0;
   for (std::int32_t h = 0; h < static_cast<std::int32_t>(3 * surface.face_count()); ++h) {
@@ -54,7 +54,7 @@ double edge_length(const Surface& surface, int with_faces) {
   return sum;
 }
 
-/// In radians; 0 for a face without area.
+/// The smallest angle in radians; 0 for a face without area.
 double smallest_angle(const Surface& surface, std::int32_t face) {
   const Face& corners = surface.ordered().corners(surface.ordered().ordered_face(face));
   double smallest = 4.0;
@@ -67,7 +67,7 @@ double smallest_angle(const Surface& surface, std::int32_t face) {
   return smallest;
 }
 
-/// Weights of a point of a fine face, in its parent.
+/// Barycentric coordinates in the parent face of a point on a fine face.
 Vec3 in_parent(const Refined& refined, std::int32_t face, const Vec3& weights) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < 3; ++k)
@@ -76,7 +76,8 @@ Vec3 in_parent(const Refined& refined, std::int32_t face, const Vec3& weights) {
   return sum;
 }
 
-/// Every fine face lies where its binding says, on surfaces with these two sets of vertices.
+/// Check that every fine face lies where its binding says, on surfaces with these two sets of
+/// vertices.
 void expect_bound(const Refined& refined, const Surface& coarse, const Surface& fine) {
   const double size = std::sqrt(coarse.area());
   Random random(5);
@@ -129,7 +130,7 @@ TEST_P(RefineOf, KeepsShapeAndDensity) {
   expect_bound(fine, fine.original, fine.surface);
 }
 
-/// A vertex in the middle of a neighbor's edge would make borders of both.
+/// A vertex in the middle of a neighbor's edge would turn both into border edges.
 TEST_P(RefineOf, StaysConforming) {
   const Refined fine = refined();
   EXPECT_NEAR(edge_length(fine.surface, 1), edge_length(fine.original, 1), 1e-9);
@@ -200,7 +201,7 @@ TEST_P(RefineOf, SamplesComeBackFromTheOriginal) {
   std::vector<Vec3> weights;
   for (std::int32_t k = 0; k < 200; ++k) {
     faces.push_back(random.below(static_cast<std::int32_t>(fine.original.face_count())));
-    weights.push_back(k % 4 ? random.weights() : Vec3::Unit(k / 4 % 3));  // corners too
+    weights.push_back(k % 4 ? random.weights() : Vec3::Unit(k / 4 % 3));  // corners as well
     ids.push_back(300 - k);
   }
   const Samples samples = bind_samples(fine.original, faces, weights, ids);
@@ -266,7 +267,7 @@ TEST(Refine, LeavesNoEdgeLongerThanAsked) {
   EXPECT_LT(fine.surface.face_count(), 2000u);
 }
 
-TEST(Refine, CutsEachFaceAsFarAsItAsks) {
+TEST(Refine, CutsEachFaceToItsOwnLength) {
   const Surface surface = grid(8).surface();
   std::vector<double> limits(surface.face_count(), std::numeric_limits<double>::infinity());
   limits[5] = 0.01;
@@ -274,7 +275,7 @@ TEST(Refine, CutsEachFaceAsFarAsItAsks) {
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(fine.surface.face_count()); ++f)
     EXPECT_LE(longest_edge(fine.surface, f),
               limits[static_cast<std::size_t>(fine.parents[static_cast<std::size_t>(f)])]);
-  EXPECT_LT(fine.surface.face_count(), 2500u);  // the far side stays as it was
+  EXPECT_LT(fine.surface.face_count(), 2500u);  // the far side is unchanged
 }
 
 TEST(Refine, RefusesBadLengths) {
@@ -334,8 +335,8 @@ TEST(Refine, JoinsOnlyWhatCutItsOwnSurface) {
   EXPECT_EQ(first.then(refine_edges(dense, std::vector{0.2}, 10'000)).original.face_count(), 8u);
 }
 
-/// No area is no reason to be called short.
-TEST(Refine, CutsLongFacesOfNoAreaToo) {
+/// A face without area may still be too long.
+TEST(Refine, CutsLongFacesWithoutArea) {
   const Surface surface = zero_area_faces().surface();
   const Refined refined = refine_edges(surface, std::vector{0.05}, 100'000);
   ASSERT_TRUE(refined.resolved);

@@ -44,7 +44,8 @@ std::vector<FaceUv> flat_uv(const Shape& shape) {
   return uv;
 }
 
-/// Bilinear between the centers of pixels, beyond them the nearest; written down once more.
+/// An independent bilinear interpolation between the centers of pixels; beyond them the nearest
+/// pixel counts.
 double bilinear(const Image& image, double u, double v) {
   const auto along = [](double t, std::size_t count) {
     return std::clamp(t * static_cast<double>(count) - 0.5, 0.0, static_cast<double>(count) - 1.0);
@@ -59,8 +60,8 @@ double bilinear(const Image& image, double u, double v) {
   return sum;
 }
 
-/// The integral of the bilinear picture over the unit square: each pixel's hat, cut off at the
-/// border or not, together with the border's strip weighs the same.
+/// The integral of the bilinear picture over the unit square. All pixels have the same weight,
+/// because the hat functions at the border gain there what is cut off.
 double integral(const Image& image) {
   return std::accumulate(image.values.begin(), image.values.end(), 0.0) /
          static_cast<double>(image.values.size());
@@ -133,7 +134,7 @@ TEST_P(RefineImageOf, FollowsThePictureWithinTheToleranceOrAPixel) {
   }
 }
 
-TEST(RefineImage, LeavesALinearPictureWhole) {
+TEST(RefineImage, DoesNotCutALinearPicture) {
   const Image image = picture(40, 40, [](double u, double v) { return 2.0 + u - v; });
   const Shape inner =
       mapped(grid(2), [](const Vec3& p) { return Vec3(0.1 * p + Vec3(0.4, 0.4, 0)); });
@@ -151,8 +152,8 @@ TEST(RefineImage, CutsOnlyWhereThereIsDetail) {
   EXPECT_NEAR(dot.surface.capacity(), 0.5 + 0.5 * std::numbers::pi * 1e-4, 2e-6);
 }
 
-/// Quarters of the picture hold 10, 20, 30 and 40 % of its mass.
-TEST(RefineImage, LeavesShortEdgesOfTheSurfaceWhole) {
+/// The quarters of the picture hold 10, 20, 30 and 40 % of its integral.
+TEST(RefineImage, DoesNotCutShortEdgesOfTheSurface) {
   const Shape shape = grid(4);
   const Image stripes = picture(200, 200, [](double x, double) { return std::fmod(x * 50, 1.0); });
   ImageOptions options;
@@ -186,13 +187,14 @@ TEST(RefineImage, KeepsOffABlackHalf) {
   const Image image = picture(64, 64, [](double u, double) { return u < 0.5 ? 0.0 : 1.0; });
   const Refined refined = on_square(5, image);
   const Samples samples = to_original(refined, sample(refined.surface, 500));
-  // The last black pixel's center lies half a pixel before the middle; a face reaches one farther.
+  // The center of the last black pixel is half a pixel before the middle; a face may reach one
+  // pixel farther.
   for (const Vec3& p : samples.positions) EXPECT_GE(p.x(), 0.5 - 1.5 / 64);
   EXPECT_LE(samples.report.evenness.capacity_variation, 0.01);
   check_on_surface(refined.original, sites_of(samples), samples.barycentric);
 }
 
-/// Around an open tube the coordinates go from 0 to 1 and jump back at a seam.
+/// The texture coordinates go from 0 to 1 around an open tube and jump back at a seam.
 TEST(RefineImage, StaysConformingAtSeams) {
   const Shape shape = tube(12, 4);
   std::vector<FaceUv> uv;
@@ -216,7 +218,7 @@ TEST(RefineImage, StaysConformingAtSeams) {
   EXPECT_GT(refined.surface.face_count(), 4 * shape.faces.size());
   EXPECT_EQ(topology(refined.surface).border_loops, 2);
   EXPECT_NEAR(refined.surface.capacity(), shape.area(), 0.01 * shape.area());
-  // Across the seam too the density is continuous, since the picture is periodic.
+  // The picture is periodic, so the density is continuous across the seam.
   std::map<std::int32_t, double> at_vertex;
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(refined.surface.face_count()); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -297,7 +299,7 @@ TEST(RefineImage, NamesTheFirstOffender) {
   expect_message<ArgumentError>([&] { (void)refine_image(surface, uv, image); }, {"uv", "7", "8"});
 }
 
-TEST(RefineImage, RefusesASurfaceAllInTheDark) {
+TEST(RefineImage, RefusesAnImageThatIsBlackOnTheWholeSurface) {
   const Image image = picture(32, 32, [](double u, double) { return u > 0.9 ? 1.0 : 0.0; });
   const Shape dark = mapped(grid(2), [](const Vec3& p) { return Vec3(0.5 * p); });
   expect_message<SurfaceError>([&] { (void)refine_image(dark.surface(), flat_uv(dark), image); },

@@ -24,7 +24,7 @@ struct Balls {
 
   [[nodiscard]] Obstacles obstacles() const { return {points, radii, {}}; }
 
-  /// How far outside all balls; below 0 inside.
+  /// The distance from the nearest ball; negative inside.
   [[nodiscard]] double clearance(const Vec3& p) const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < points.size(); ++k)
@@ -57,7 +57,7 @@ TEST_P(ObstaclesOn, KeepSamplesAway) {
   for (const Vec3& p : to_original(refined, samples).positions) ASSERT_GE(balls.clearance(p), 0.0);
 }
 
-/// What is taken is the balls and no more than their borders' faces.
+/// The density is 0 in the balls and at most on the faces at their borders besides.
 TEST(RefineObstacles, TakesLittleMoreThanTheBalls) {
   const Shape shape = grid(3);
   const Balls balls{{{0.3, 0.3, 0}, {0.7, 0.6, 0.1}}, {0.1, 0.2}};
@@ -136,7 +136,7 @@ TEST(RefineObstacles, DoNotDependOnUnits) {
   }
 }
 
-/// Samples of a tracker on the fine surface keep off the faces that are taken.
+/// Samples of a tracker on the fine surface stay off the faces without density.
 TEST(RefineObstacles, HoldWhileTheSurfaceDeforms) {
   const Shape shape = blob(3);
   const Balls balls = balls_on(shape, 10, 0.25, 10);

@@ -11,7 +11,7 @@
 namespace dapple::test {
 namespace {
 
-/// Texture coordinates that are x and y of the vertices.
+/// Texture coordinates equal to x and y of the vertices.
 std::vector<FaceUv> seen_from_above(const Shape& shape) {
   std::vector<FaceUv> result;
   for (const Face& face : shape.faces) {
@@ -63,7 +63,7 @@ TEST(Texture, GivesOverlapsToTheLowestFaceAndLeavesOutWhatIsOutside) {
   EXPECT_EQ(std::count(none.faces.begin(), none.faces.end(), -1), 256);
 }
 
-TEST(Texture, BearsFacesWithoutExtentOnThePicture) {
+TEST(Texture, HandlesFacesWithoutAreaInTheImage) {
   const Shape shape = box(2);
   const Texels found = texels(shape.surface(), seen_from_above(shape), 16, 16);
   EXPECT_EQ(std::count(found.faces.begin(), found.faces.end(), -1), 0);

@@ -25,7 +25,7 @@ struct Fixture {
     }
   }
 
-  /// By its definition: one row a cell, two columns a site.
+  /// The matrix by its definition: a row per cell, two columns per site.
   [[nodiscard]] Eigen::MatrixXd dense() const {
     const auto count = static_cast<Eigen::Index>(sites.size());
     Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, 2 * count);
@@ -66,14 +66,14 @@ void expect_product(const Fixture& f) {
 
 TEST(CapacityJacobian, MultipliesByItsDefinition) { expect_product(Fixture()); }
 
-/// As rounding and uncovered faces leave it.
+/// Rounding and uncovered faces can leave a boundary in the list of one cell only.
 TEST(CapacityJacobian, TakesBoundariesThatOnlyOneSideLists) {
   Fixture f;
   for (const std::size_t cell : {3u, 17u, 18u}) --f.diagram.rows[cell].count;
   expect_product(f);
 }
 
-/// As around a torus.
+/// Around a torus two cells can have several boundaries in common.
 TEST(CapacityJacobian, AddsSeveralBoundariesWithOneNeighbor) {
   Fixture f;
   const std::size_t cell = 5;

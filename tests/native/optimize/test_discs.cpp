@@ -6,7 +6,7 @@
 namespace dapple::test {
 namespace {
 
-/// Two discs at 0.9 of the sum of their radii.
+/// Two discs at a distance of 0.9 times the sum of their radii.
 TEST(Discs, OfDifferentSizePushEachOtherApart) {
   const Sites sites{{{0, 0, 0}, {0.9, 0, 0}, {5, 0, 0}}, {0, 0, 0}, {}};
   const Vectors normals(3, Vec3::UnitZ());
@@ -15,7 +15,8 @@ TEST(Discs, OfDifferentSizePushEachOtherApart) {
   ASSERT_EQ(repulsion.pairs.size(), 1u);
   EXPECT_NEAR(repulsion.energy, 2.0 * 0.01, 1e-12);
   EXPECT_NEAR(worst_pair(repulsion)->overlap, 0.1, 1e-12);
-  EXPECT_LT(repulsion.gradient[0].dot(Vec3(-1, 0, 0)), 0.0);  // downhill is away from the other
+  // descent moves it away from the other
+  EXPECT_LT(repulsion.gradient[0].dot(Vec3(-1, 0, 0)), 0.0);
 }
 
 TEST(Discs, KeepOutPointsThatDoNotMeetEachOther) {
@@ -68,7 +69,7 @@ TEST(Discs, MeetAcrossTheSeamOfTheTorus) {
               1e-9);
 }
 
-/// A row along x, each with a disc of radius 0.5, in the plane.
+/// A row of discs of radius 0.5 along x in the plane.
 struct Row {
   explicit Row(const std::vector<double>& along) : normals(along.size(), Vec3::UnitZ()) {
     for (const double x : along) sites.positions.emplace_back(x, 0.0, 0.0);
@@ -93,8 +94,8 @@ TEST(DiscsKeptApart, TouchWhereTheirMovesWouldBringThemNearer) {
   row.moves = {Vec3(0.4, 0.3, 0.0), Vec3(-0.4, 0.0, 0.0)};
   row.keep_apart();
   EXPECT_NEAR(row.after(1) - row.after(0), 1.0, 1e-3);
-  EXPECT_NEAR(row.after(0), 0.25, 1e-3);  // each gives way by as much
-  EXPECT_EQ(row.moves[0].y(), 0.3);       // along the other it may go
+  EXPECT_NEAR(row.after(0), 0.25, 1e-3);  // both discs move by the same distance
+  EXPECT_EQ(row.moves[0].y(), 0.3);       // tangential motion is not restricted
 }
 
 TEST(DiscsKeptApart, PushPointsOut) {

@@ -30,7 +30,7 @@ class ConnectedCells : public testing::TestWithParam<Shape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, ConnectedCells, testing::ValuesIn(all_shapes()),
                          shape_name<testing::TestParamInfo<Shape>>);
 
-TEST_P(ConnectedCells, ShareOutTheSurface) {
+TEST_P(ConnectedCells, PartitionTheSurface) {
   const Surface surface = GetParam().surface();
   for (const std::size_t count : {1u, 2u, 7u, 60u, 400u}) {
     Random random(count);
@@ -40,7 +40,7 @@ TEST_P(ConnectedCells, ShareOutTheSurface) {
   }
 }
 
-/// A component that holds a site belongs to sites of its own.
+/// A component with a site belongs only to sites on it.
 TEST_P(ConnectedCells, StayOnTheirComponents) {
   const Surface surface = GetParam().surface();
   Random random(5);
@@ -68,7 +68,7 @@ TEST(ConnectedCells, AreEuclideanWhereNothingIsInTheWay) {
   EXPECT_EQ(a.total, b.total);
 }
 
-/// Two sheets much nearer to each other than the spacing: a Euclidean cell reaches through.
+/// Two sheets much nearer to each other than the spacing: a Euclidean cell covers both.
 TEST(ConnectedCells, GiveEachOfTwoSheetsTheSame) {
   const Surface surface = two_sheets(20, 0.005).surface();
   const Samples samples = sample(surface, 300);
@@ -79,8 +79,8 @@ TEST(ConnectedCells, GiveEachOfTwoSheetsTheSame) {
   EXPECT_GT(samples.report.evenness.alpha_min, 0.5);
 }
 
-/// Few evaluations too: on the crank the energy jumps, and steps across a jump lead nowhere. How
-/// many a single run takes there is chance (23 to 52): the mean of several tells.
+/// The search is short as well. On the crank the energy jumps, and a single run takes 23 to 52
+/// evaluations by chance, so the mean of several runs is tested.
 TEST(ConnectedCells, AreEvenOnThinWalls) {
   struct Limit {
     const char* name;
@@ -113,7 +113,7 @@ TEST(ConnectedCells, AreTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.positions, two.positions);
 }
 
-/// A step through the wall, nearer to the other sheet than to its own.
+/// A step through the wall that ends nearer to the other sheet.
 TEST(SurfaceDomain, DoesNotHopToAnotherSheet) {
   const Surface surface = two_sheets(8, 0.05).surface();
   const SurfaceDomain domain(surface);
@@ -124,7 +124,7 @@ TEST(SurfaceDomain, DoesNotHopToAnotherSheet) {
   EXPECT_NEAR(moved.positions[0].x(), 0.42, 1e-12);
 }
 
-/// Sheets that look the same way: nothing but the way along the surface tells them apart.
+/// Sheets with the same normal, which can be distinguished only by walking along the surface.
 TEST(SurfaceDomain, WalksWithoutHoppingBetweenSheetsThatLookAlike) {
   Shape shape = grid(8);
   const Shape upper = grid(8);
@@ -139,7 +139,7 @@ TEST(SurfaceDomain, WalksWithoutHoppingBetweenSheetsThatLookAlike) {
   EXPECT_NEAR((moved.positions[0] - Vec3(0.42, 0.4, 0.0)).norm(), 0.0, 1e-12);
 }
 
-/// On a ball nothing near is out of reach.
+/// On a ball all near faces are reachable.
 TEST(SurfaceDomain, WalksToTheNearestPoint) {
   const Surface surface = icosphere(4).surface();
   const SurfaceDomain walking(surface, Cells::kConnected, Steps::kConnected);
@@ -152,8 +152,8 @@ TEST(SurfaceDomain, WalksToTheNearestPoint) {
     EXPECT_NEAR((walked.positions[k] - nearest.positions[k]).norm(), 0.0, 1e-9) << "point " << k;
 }
 
-/// The making of a projector asks whether to go on.
-TEST(SurfaceDomain, MakesNoProjectorForNothing) {
+/// The construction of a projector checks for cancellation.
+TEST(SurfaceDomain, MakesNoProjectorBeforeItIsNeeded) {
   const SurfaceDomain domain(blob(3).surface(), Cells::kConnected, Steps::kConnected);
   Context cancelled;
   cancelled.cancel();
@@ -173,8 +173,8 @@ TEST(SurfaceDomain, KeepsSitesWhereThereIsDensity) {
   }
 }
 
-/// A cloth folded flat onto itself: both halves are one component, at the same place and turned the
-/// same way where it is folded twice.
+/// A cloth folded flat onto itself. Both halves are one component at the same place; where it is
+/// folded twice, they also have the same normal.
 TEST(Domain, StepsDoNotHopToAnotherSheetAtTheSamePlace) {
   Shape shape = grid(8);
   const auto count = static_cast<std::int32_t>(shape.faces.size());
@@ -183,7 +183,8 @@ TEST(Domain, StepsDoNotHopToAnotherSheetAtTheSamePlace) {
   shape = joined(shape, copy);
   for (std::size_t f = static_cast<std::size_t>(count); f < shape.faces.size(); ++f)
     for (std::int32_t& v : shape.faces[f])
-      if (shape.vertices[static_cast<std::size_t>(v)].x() == 0.0) v -= vertices;  // the fold
+      // vertices on the fold
+      if (shape.vertices[static_cast<std::size_t>(v)].x() == 0.0) v -= vertices;
   const Surface surface(shape.vertices, shape.faces, Density{}, {.merge_doubled = false});
   ASSERT_EQ(surface.ordered().components(), 1);
   Random random(1);
@@ -196,8 +197,8 @@ TEST(Domain, StepsDoNotHopToAnotherSheetAtTheSamePlace) {
     EXPECT_EQ(found.faces[k] < count, sites.faces[k] < count) << "site " << k;
 }
 
-/// The projector is made when it is first needed, by many threads at once: whoever makes it must
-/// not, while it waits for its own helpers, begin another piece of work that waits for it.
+/// Many threads need the projector at once. The thread that constructs it must not, while it waits
+/// for its own tasks, start another task that waits for the projector.
 TEST(SurfaceDomain, IsFirstUsedByManyTasksAtOnce) {
   const Surface surface = icosphere(5).surface();
   const std::vector<Vec3> point = {{2.0, 0.1, 0.3}};

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLambda = 30.0;
 constexpr double kHexagon =
-    5.0 * std::numbers::sqrt3 / 54.0;  // 0.16037, second moment of a hexagon of area 1
+    5.0 * std::numbers::sqrt3 / 54.0;  // 0.16037: second moment of a hexagon of area 1
 
 // ---- the gradient against central differences ----
 
@@ -53,14 +53,12 @@ double nearest_distance(const Sites& sites, std::size_t k) {
   return std::sqrt(squared);
 }
 
-/// Move `count` of the sites along their faces and compare slopes, to 1e-6 of the largest component
-/// of the gradient.
-///
-/// The energy has kinks in its second derivative, where a corner of a cell passes a mesh edge or
-/// two cells meet, and within a step of a kink a central difference is off by its first power. It
-/// also bends with the distance to the nearest site. The step is therefore small against both (1e-5
-/// of the spacing, 1e-4 of that distance; rounding stays below 1e-7), and the sites keep off the
-/// edges of their faces.
+/// Move `count` of the sites along their faces and compare the slopes of the energy with its
+/// gradient, to 1e-6 of the largest component. The second derivative of the energy has kinks where
+/// a corner of a cell crosses a mesh edge or two cells meet; near a kink the error of a central
+/// difference is linear in the step. The step is therefore small against the spacing (1e-5) and the
+/// distance to the nearest site (1e-4); rounding stays below 1e-7. Sites stay away from the edges
+/// of their faces.
 void expect_gradient_is_slope(const Shape& shape, std::size_t sites_count, std::size_t count,
                               std::uint64_t seed, Cells cells = Cells::kEuclidean) {
   Random random(seed);
@@ -108,8 +106,8 @@ TEST(Gradient, IsTheSlopeOnManyComponents) {
   expect_gradient_is_slope(many_components(30), 40, 40, 10);
 }
 
-// Cells that follow the surface jump where a face changes owners; between such changes the gradient
-// is exact.
+// The area of cells that follow the surface jumps where a face changes its owner; between jumps the
+// gradient is exact.
 TEST(Gradient, IsTheSlopeOfConnectedCellsOnTwoSheets) {
   expect_gradient_is_slope(two_sheets(4, 0.05), 40, 40, 11, Cells::kConnected);
 }
@@ -143,7 +141,7 @@ TEST(Gradient, IsTheSlopeOnTheTruck) {
 
 Surface unit_square() { return grid(1).surface(); }
 
-/// Sites in the plane of the unit square of two faces, below and above its diagonal.
+/// Sites in the plane of the unit square of two faces, one below and one above its diagonal.
 Sites on_square(const std::vector<Vec3>& points) {
   Sites sites{points};
   for (const Vec3& p : points) sites.faces.push_back(p.y() > p.x() ? 1 : 0);
@@ -178,7 +176,7 @@ TEST(Energy, OfFourSitesInASquare) {
   EXPECT_LE(largest_component(energy.gradient), 1e-14);
 }
 
-/// The strip between two sites moves at half their speed: |V_0| = (x_0 + x_1) / 2.
+/// The wall between two sites moves at half their speed: |V_0| = (x_0 + x_1) / 2.
 TEST(Energy, OfTwoSitesInASquareOffBalance) {
   const double a = 0.2, b = 0.6, wall = 0.5 * (a + b);
   const Energy energy = evaluate_energy(unit_square(), on_square({{a, 0.5, 0}, {b, 0.5, 0}}),
@@ -231,7 +229,7 @@ TEST(Energy, OfPerfectHexagons) {
   EXPECT_GT(inner, 80);
 }
 
-/// Twelve sites at the corners of an icosahedron share its sphere equally and are at rest.
+/// Twelve sites at the corners of an icosahedron have equal cells on its sphere and zero gradient.
 TEST(Energy, OfTheCornersOfAnIcosahedron) {
   const Shape shape = icosphere(3);
   Sites sites{{shape.vertices.begin(), shape.vertices.begin() + 12}};
@@ -288,7 +286,7 @@ TEST(Energy, NormalizesToTheSameValueForAScaledDensity) {
               1e-12);
 }
 
-/// Its terms are integrals of the density's square, so that a density of any unit has a result.
+/// The terms are integrals of the squared density, so a density of any unit is possible.
 TEST(Energy, GrowsWithTheSquareOfTheDensity) {
   const Shape shape = with_density(blob(2), [](const Vec3& p) { return 2.0 + p.x(); });
   Random random(31);
@@ -382,7 +380,7 @@ TEST(Energy, StopsWhenCancelled) {
                Cancelled);
 }
 
-/// Where coordinates have few digits left, a density must not be read at rounded places.
+/// Where coordinates have few digits left, the density must not be evaluated at rounded positions.
 TEST(Energy, SharesOutADensityFarFromTheOrigin) {
   for (const double far : {0.0, 1e6, 1e9, 1e12}) {
     Random random(3);

@@ -52,12 +52,12 @@ TEST(FiniteEnergy, IsThatOfSamplesElsewhere) {
   const Samples samples = sample(surface, 20);
   EXPECT_TRUE(std::isfinite(samples.report.energy));
   EXPECT_TRUE(std::isfinite(resample(surface, samples, 30).report.energy));
-  // The one that is far has next to no capacity, so it goes.
+  // the far site has almost no capacity, so it is removed
   const std::vector<std::int32_t> changed = {2};
   EXPECT_TRUE(std::isfinite(relax(surface, with_one_far(surface), changed).report.energy));
 }
 
-/// Of a class the index among all samples is named.
+/// Messages name the index among all samples, not the index within the class.
 TEST(FiniteEnergy, NamesASampleByItsIndexAmongAll) {
   std::vector<Moments> cells(3);
   cells[1].second = std::numeric_limits<double>::infinity();

@@ -12,13 +12,13 @@ TEST(Forecast, FindsTheEndOfDecreasesThatFollowItsLaw) {
   OptimizerOptions options;
   options.tolerance = 1e-5;
   Forecast forecast(options, /*restoring=*/false);
-  const double c = 0.1;  // of c / k^2 = tolerance at k = 100
+  const double c = 0.1;  // the energy decreases like c / k^2, which meets the tolerance at k = 100
   for (int k = 1; k <= 10; ++k) forecast.note(k, c / (k * k));
   EXPECT_NEAR(forecast.evaluations(), 100.0, 1e-6);
   EXPECT_NEAR(forecast.progress(10), 0.1, 1e-9);
 }
 
-TEST(Forecast, NeverPassesTheEvaluationsAllowed) {
+TEST(Forecast, NeverExceedsTheEvaluationLimit) {
   OptimizerOptions options;
   options.max_evaluations = 6;
   options.tolerance = 0.0;

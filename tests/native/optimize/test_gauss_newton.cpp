@@ -11,7 +11,7 @@
 namespace dapple::test {
 namespace {
 
-constexpr int kEnough = 1000;  // steps of conjugate gradients: the tolerance ends them before
+constexpr int kEnough = 1000;  // conjugate gradient steps; the tolerance is reached earlier
 constexpr double kDelta = 1.5;
 
 /// Two classes on a bumpy body, with repulsion; some sites locked.
@@ -41,7 +41,7 @@ std::size_t site_of(const Term& term, std::int32_t cell) {
       term.members.empty() ? cell : term.members[static_cast<std::size_t>(cell)]);
 }
 
-/// d capacity of a term's cells / d sites, as a matrix with three columns a site.
+/// The derivatives of the capacities of a term's cells, a matrix with three columns per site.
 Eigen::MatrixXd jacobian(const Term& term, const RestrictedVoronoi& diagram, std::size_t sites) {
   const auto cells = static_cast<std::int32_t>(diagram.cells.size());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(cells, static_cast<Eigen::Index>(3 * sites));
@@ -54,7 +54,7 @@ Eigen::MatrixXd jacobian(const Term& term, const RestrictedVoronoi& diagram, std
   return result;
 }
 
-/// The model Hessian by its definition, in space.
+/// The model Hessian by its definition, as a matrix in space.
 Eigen::MatrixXd dense(const Objective& objective, const Evaluation& state) {
   const auto size = static_cast<Eigen::Index>(3 * state.sites.size());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);

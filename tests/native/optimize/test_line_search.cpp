@@ -31,7 +31,7 @@ TEST(LineSearch, HalvesTheStepUntilTheEnergyFallsEnough) {
   OnALine line;
   const Step step = line.search([](double x) { return 1.0 - x + 2.0 * x * x; }, {});
   ASSERT_TRUE(step.found);
-  EXPECT_EQ(step.shortened, 0.25);  // at 1 it rises, at 0.5 it is as before
+  EXPECT_EQ(step.shortened, 0.25);  // the energy rises at 1 and is unchanged at 0.5
   EXPECT_EQ(line.reached.total, 0.875);
   EXPECT_EQ(line.evaluations, 3);
 }
@@ -57,7 +57,7 @@ TEST(LineSearch, EndsWhereNoEvaluationIsLeft) {
   OnALine line;
   line.most = 2;
   EXPECT_FALSE(line.search([](double x) { return 1.0 + x; }, {}).found);
-  EXPECT_EQ(line.evaluations, 3);  // the third was refused
+  EXPECT_EQ(line.evaluations, 3);  // the third step was rejected
 }
 
 TEST(LineSearch, DirectionsDescendAndKeepTheLongestStep) {

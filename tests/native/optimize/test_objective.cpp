@@ -39,7 +39,7 @@ struct Fixture {
   Sites start;
 };
 
-/// Of every so many sites, by finite differences.
+/// Compare the gradient at every `stride`-th site with finite differences.
 void expect_slope_along_x(const Fixture& f, const Evaluation& state, std::size_t every) {
   constexpr double kStep = 1e-7;
   for (std::size_t k = 0; k < f.start.size(); k += every) {
@@ -96,7 +96,7 @@ TEST(Objective, StickinessHasAnExactGradient) {
   Evaluation state = evaluate(f.objective, f.start, nullptr);
   const double without = state.total;
   stick(f.objective, state, anchors, 0.7);
-  double added = 0.0;  // by its formula
+  double added = 0.0;  // the sum by its formula
   for (std::size_t k = 0; k < anchors.size(); ++k)
     added += 0.7 * f.objective.scale(0, anchors.size()) * state.diagram().cells[k].mass *
              (f.start.positions[k] - anchors[k]).squaredNorm();
@@ -104,7 +104,7 @@ TEST(Objective, StickinessHasAnExactGradient) {
   expect_slope_along_x(f, state, 7);
 }
 
-/// Five of sixty sites with discs that are larger than the cells of all.
+/// Five of sixty sites have discs larger than the mean cell.
 struct FixtureWithLargeDiscs : Fixture {
   FixtureWithLargeDiscs() {
     objective.discs.assign(start.size(), 0.02);
@@ -115,19 +115,19 @@ struct FixtureWithLargeDiscs : Fixture {
   Evaluation state;
 };
 
-TEST(Objective, GivesLargeDiscsTheirRoomAndTheOthersTheRest) {
+TEST(Objective, GivesLargeDiscsTheirAreaAndTheOthersTheRest) {
   const FixtureWithLargeDiscs f;
   const std::vector<double>& wanted = f.objective.terms[0].wanted;
   ASSERT_EQ(wanted.size(), f.start.size());
   const double mass = f.problem.all->capacity(), mean = mass / static_cast<double>(wanted.size());
   EXPECT_NEAR(std::accumulate(wanted.begin(), wanted.end(), 0.0), mass, 1e-12 * mass);
-  // the hexagon around a circle of half the sum of the radii
+  // the hexagon around a circle whose radius is half the sum of the radii
   EXPECT_NEAR(wanted[12], 2.0 * std::sqrt(3.0) * 0.11 * 0.11 * mass / f.problem.all->area(), 1e-12);
   EXPECT_LT(wanted[1], mean);
   EXPECT_EQ(wanted[1], wanted[2]);
 }
 
-TEST(Objective, GivesLargeDiscsRoomAmongPointsToo) {
+TEST(Objective, GivesLargeDiscsTheirAreaAmongPoints) {
   Fixture f;
   f.objective.discs.assign(f.start.size(), 0.0);
   f.objective.discs[0] = 0.2;
@@ -141,7 +141,7 @@ TEST(Objective, GivesLargeDiscsRoomAmongPointsToo) {
 
 TEST(Objective, LeavesCapacitiesEqualWhereDiscsFit) {
   Fixture f;
-  for (const double large : {0.01, 0.1}) {  // small ones; a larger one among points
+  for (const double large : {0.01, 0.1}) {  // small discs, and a larger one among points
     f.objective.discs.assign(f.start.size(), large == 0.01 ? 0.01 : 0.0);
     f.objective.discs[0] = large;
     Evaluation state = evaluate(f.objective, f.start, nullptr);

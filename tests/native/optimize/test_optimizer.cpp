@@ -20,7 +20,7 @@ OptimizerResult optimized(const Surface& surface, std::size_t count,
   return optimize(SurfaceDomain(surface), poisson_start(surface, count, seed), options);
 }
 
-/// The ways to minimize, by name.
+/// The methods of minimization, by name.
 const std::vector<std::pair<std::string, OptimizerOptions>>& ways() {
   static const std::vector<std::pair<std::string, OptimizerOptions>> kAll = {
       {"trust region with repulsion", {.tolerance = 1e-5}},
@@ -48,8 +48,7 @@ TEST_P(OptimizerOn, NeverRaisesTheEnergy) {
       }
 }
 
-/// Without the repulsion, what is minimized is the energy itself; with it, there is something on
-/// top.
+/// Without repulsion the listed values are those of the energy; with repulsion they are larger.
 TEST_P(OptimizerOn, ListsWhatItMinimizes) {
   const Surface surface = GetParam().surface();
   for (const auto& [name, options] : ways()) {
@@ -68,7 +67,7 @@ TEST_P(OptimizerOn, EndsOnTheSurface) {
   check_cells(surface, found.sites);
 }
 
-TEST_P(OptimizerOn, ReportsTheEnergyOfWhereItEnds) {
+TEST_P(OptimizerOn, ReportsTheFinalEnergy) {
   const Surface surface = GetParam().surface();
   const OptimizerResult found = optimized(surface, 60, {});
   const Energy again = evaluate_energy(surface, found.sites, 30.0, Cells::kConnected);
@@ -89,7 +88,7 @@ TEST(Optimizer, LowersTheEnergyFromWhiteNoise) {
   }
 }
 
-/// The preconditioned way takes fewer evaluations than the plain one to the same tolerance.
+/// The trust region takes fewer evaluations than the line search to the same tolerance.
 TEST(Optimizer, TakesFewerEvaluationsInATrustRegion) {
   const Surface surface = torus(120, 60).surface();
   const OptimizerResult plain =
@@ -114,7 +113,7 @@ TEST(Optimizer, StopsAtOneEvaluationWithTheStart) {
   EXPECT_EQ(found.sites.faces, start.faces);
 }
 
-TEST(Optimizer, KeepsToItsEvaluationsAndSaysThatTheyRanOut) {
+TEST(Optimizer, KeepsTheEvaluationLimitAndReportsIt) {
   const Surface surface = blob(3).surface();
   for (const int limit : {2, 3, 5, 8}) {
     const OptimizerResult found =
@@ -135,14 +134,14 @@ TEST(Optimizer, ConvergesFurtherWithASmallerTolerance) {
   EXPECT_GT(fine.evaluations, coarse.evaluations);
 }
 
-/// Samples are missing from the thin part of a steep density alone: the search ends far from even,
-/// where no step is found that goes on.
-TEST(Optimizer, DoesNotCallItConvergedWhereItIsStuck) {
+/// Only the thin part of a steep density lacks samples: the search ends in an uneven state in which
+/// no step succeeds.
+TEST(Optimizer, DoesNotReportAFailedSearchAsConverged) {
   const Surface surface = with_face_density(icosphere(5), [](const Vec3& p) {
                             return p.z() > 0.875 ? 100.0 : 1.0;
                           }).surface();
   const SurfaceDomain domain(surface);
-  const OptimizerOptions patient{.max_evaluations = 500};  // so that being stuck is what ends it
+  const OptimizerOptions patient{.max_evaluations = 500};  // the limit is not reached
   for (std::uint64_t seed = 0; seed < 2; ++seed) {
     const Sites even = optimize(domain, poisson_start(surface, 1000, seed), {}).sites;
     Sites start;
@@ -163,8 +162,8 @@ TEST(Optimizer, DoesNotCallItConvergedWhereItIsStuck) {
   }
 }
 
-/// The size of the decrease is meant, and more than one small one (METHOD): the last two are small,
-/// no two before.
+/// The search stops at the second decrease below the tolerance (docs/method.md): the last two are
+/// small, and no two before.
 TEST(Optimizer, StopsAtTheSecondSmallDecrease) {
   const Surface surface = torus(60, 30).surface();
   const OptimizerOptions options{.tolerance = 1e-5};
@@ -173,18 +172,19 @@ TEST(Optimizer, StopsAtTheSecondSmallDecrease) {
   int small = 0;
   for (std::size_t k = 1; k < found.energies.size(); ++k) {
     EXPECT_LT(small, 2) << "went on after iteration " << k - 1;
-    const double total = found.energies[k] + options.capacity_weight;  // of what is minimized
+    const double total = found.energies[k] + options.capacity_weight;  // minimized value
     small = (found.energies[k - 1] - found.energies[k]) / total > options.tolerance ? 0 : small + 1;
   }
 }
 
-/// Steps that may hardly move a site gain little, but the model promises more: it goes on, once.
-TEST(Optimizer, GoesOnWhereStepsAreSmallBecauseTheyAreHeldBack) {
+/// Steps limited to a tiny length gain little although the model predicts more, so the search
+/// continues once.
+TEST(Optimizer, ContinuesIfSmallGainsComeFromLimitedSteps) {
   const Surface surface = torus(60, 30).surface();
   const OptimizerOptions options{.tolerance = 1e-2, .patience = 6, .max_step = 0.01};
   const OptimizerResult found =
       optimize(SurfaceDomain(surface), random_start(surface, 300, 1), options);
-  EXPECT_EQ(found.energies.size(), 13u);  // twice six small decreases
+  EXPECT_EQ(found.energies.size(), 13u);  // six small decreases, twice
   EXPECT_FALSE(found.converged);
 }
 
@@ -243,7 +243,7 @@ TEST(Optimizer, ProjectsAStartWithoutBarycentrics) {
   const Surface surface = blob(3).surface();
   Sites start = poisson_start(surface, 100, 1);
   start.barycentric.clear();
-  for (Vec3& p : start.positions) p *= 1.01;  // a little off the surface
+  for (Vec3& p : start.positions) p *= 1.01;  // slightly off the surface
   const OptimizerResult found = optimize(SurfaceDomain(surface), start, {.max_evaluations = 1});
   check_on_surface(surface, found.sites, found.sites.barycentric);
 }

@@ -23,7 +23,7 @@ class ReinsertionOn : public testing::TestWithParam<Shape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, ReinsertionOn, testing::ValuesIn(all_shapes()),
                          shape_name<testing::TestParamInfo<Shape>>);
 
-/// A quarter of the sites start where another is.
+/// A quarter of the sites start at the position of another site.
 TEST_P(ReinsertionOn, FreesSitesThatStartTogether) {
   const Surface surface = GetParam().surface();
   Sites start = poisson_start(surface, 60, 1);
@@ -51,7 +51,7 @@ TEST(Reinsertion, FreesTwoSitesAtOnePlace) {
   EXPECT_GT(least_capacity(optimize(SurfaceDomain(surface), start, {})), 0.0);
 }
 
-/// There is no normal, and no neighbor that tells a direction.
+/// There is no normal, and no neighbor that determines a direction.
 TEST(Reinsertion, FreesTwoSitesAtOnePlaceOfAFaceWithoutArea) {
   Shape shape = blob(3);
   const auto needle = static_cast<std::int32_t>(shape.faces.size());
@@ -66,7 +66,7 @@ TEST(Reinsertion, FreesTwoSitesAtOnePlaceOfAFaceWithoutArea) {
   EXPECT_GT(least_capacity(found), 0.0);
 }
 
-/// On the torus nothing keeps a step inside the density's support.
+/// On the torus steps are not confined to the support of the density.
 TEST(Reinsertion, BringsSitesBackIntoTheDensity) {
   Image image{1, 16, std::vector<double>(16, 0.0)};
   for (std::size_t k = 4; k < 8; ++k) image.values[k] = 1.0;

@@ -21,7 +21,7 @@ struct Fixture {
                                     : problem.all->project(points, {}),
                      nullptr);
     moved = state.sites.positions;
-    for (Vec3& x : moved) x += Vec3(0.7, -0.4, 0.2);  // some spacings
+    for (Vec3& x : moved) x += Vec3(0.7, -0.4, 0.2);  // several spacings
   }
 
   ClassProblem problem;
@@ -55,13 +55,14 @@ Shape divided_square(double stripe) {
   });
 }
 
-/// A site that is moved onto the stripe goes to its nearer side. That is the one where it did not
-/// come from, and out of reach, as long as more than half of the stripe's width is left to it.
+/// A site projected onto the stripe goes to its nearer side. This is the far side, out of reach, if
+/// more than half of the stripe's width remains before the site.
 TEST(SlideLimit, SitesArePulledBackUntilTheyAreWithinReach) {
   std::vector<Vec3> points;
   for (int k = 0; k < 10; ++k) points.emplace_back(k % 2 == 0 ? 0.3 : 0.7, 0.05 + 0.1 * k, 0.0);
   const double reach = 0.3 * SurfaceDomain(divided_square(0.1).surface()).spacing(points.size());
-  const double stripe = 1.3 * reach;  // > 0.5 stripe is left by one pull to 0.8 of it, not by two
+  // one pull by 0.8 leaves more than half of the stripe, two pulls do not
+  const double stripe = 1.3 * reach;
   for (Vec3& x : points) x.x() = x.x() < 0.5 ? 0.375 : 0.375 + stripe;
   Fixture f(divided_square(stripe).surface(), points);
   f.moved = points;

@@ -11,14 +11,14 @@ TEST(StoppingRule, EndsAfterSmallDecreasesInARow) {
   rule.update(0.05, true, 0.0);
   EXPECT_FALSE(rule.ends());
   rule.update(0.5, true, 0.0);
-  rule.update(0.1, true, 0.0);  // the tolerance itself is small
+  rule.update(0.1, true, 0.0);  // equal to the tolerance
   EXPECT_FALSE(rule.ends()) << "a large one was between";
   rule.update(0.1, true, 0.0);
   EXPECT_TRUE(rule.decreases_are_small());
   EXPECT_FALSE(rule.steps_fail());
 }
 
-TEST(StoppingRule, EndsAfterFailuresInARowAndKeepsTheMostTheyPromised) {
+TEST(StoppingRule, EndsAfterFailuresInARowAndKeepsTheirLargestPrediction) {
   StoppingRule rule(0.1, 9, 2);
   rule.update(0.5, false, 0.3);
   rule.update(0.5, true, 0.0);

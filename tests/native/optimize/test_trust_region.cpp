@@ -50,7 +50,7 @@ TEST(TrustRegion, ShrinksAfterFailuresAndGrowsAgain) {
   EXPECT_EQ(length(), first) << "no larger than at the least delta";
 }
 
-TEST(TrustRegion, PromisesLittleWhereLittleIsLeft) {
+TEST(TrustRegion, PredictsLittleNearTheMinimum) {
   Fixture random(Start::kRandom), poisson(Start::kPoisson);
   TrustRegion region(0.5, false);
   EXPECT_GT(region.promised(random.objective, random.state),

@@ -84,7 +84,7 @@ TEST(Decals, KeepDistancesOnACurvedSurface) {
     EXPECT_NEAR(found.places[k].norm(), (p - middle).norm() / 0.3, 1e-12);
     for (const Vec3& other : samples.positions) {
       const double distance = (p - other).norm();
-      if (distance > 0.3) continue;  // it may lie beside the square
+      if (distance > 0.3) continue;  // the texel may lie beside the square
       EXPECT_GE(distance, (p - middle).norm() - 1e-12) << "the nearest has it";
     }
   }
@@ -110,7 +110,7 @@ TEST(Decals, StayOnTheirSheet) {
   EXPECT_TRUE(some);
 }
 
-TEST(Decals, OfNoRadiusCoverNothing) {
+TEST(Decals, WithoutRadiusCoverNothing) {
   const Surface surface = grid(4).surface();
   const DecalCover found = decal_cover(surface, middle_of_the_square(surface), std::vector{0.0},
                                        std::vector{Vec3(Vec3::UnitX())}, flat_texels(grid(4)));

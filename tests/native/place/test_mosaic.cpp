@@ -61,7 +61,7 @@ double tile_area(const Mosaic& mosaic) {
   return sum;
 }
 
-/// How often each edge is run along, in its direction.
+/// How often polygons traverse each edge, by direction.
 std::map<Edge, int> runs(const Mosaic& mosaic) {
   std::map<Edge, int> result;
   for (std::size_t k = 0; k < mosaic.size(); ++k) {
@@ -72,8 +72,8 @@ std::map<Edge, int> runs(const Mosaic& mosaic) {
   return result;
 }
 
-/// Polygons of at least three corners that differ, tiles without common vertices, no edge run along
-/// twice, and a border that goes on from each vertex exactly once: closed loops.
+/// Check that polygons have at least three different corners, tiles have no common vertices, no
+/// edge is traversed twice, and the border consists of closed loops.
 void check_loops(const Mosaic& mosaic) {
   ASSERT_EQ(mosaic.starts.size(), mosaic.size() + 1);
   std::map<std::int32_t, std::int32_t> owner;
@@ -174,7 +174,7 @@ TEST_P(MosaicOn, CoversTheSurfaceWithClosedLoops) {
 
 using Place = std::array<double, 3>;
 
-/// Edges with a polygon on one side only, where vertices at the same place are one.
+/// Edges with a polygon on one side only, after merging vertices at the same place.
 std::size_t open_edges(const Mosaic& mosaic) {
   std::map<std::pair<Place, Place>, int> sides;
   const auto place = [&](std::int32_t v) {
@@ -251,8 +251,8 @@ TEST(Mosaic, DrawsEachTileBackByItsInset) {
   EXPECT_NEAR(found.tiles[3].cell_area, 0.25, 1e-12);
 }
 
-/// Points drawn by area are on the tile of their nearest site exactly if no plane half-way to
-/// another site is nearer than half the grout.
+/// A random point is on the tile of its nearest site exactly if it is at least half the grout away
+/// from each bisector plane of that site.
 TEST(Mosaic, KeepsWhatIsFartherThanHalfTheGroutFromEveryPlane) {
   constexpr std::size_t kPoints = 40000;
   for (const Shape& shape : {blob(3), box(3), grid(5), tube(12, 6)}) {
@@ -371,11 +371,11 @@ TEST(Mosaic, LiesInTheSurfaceAndTurnsWithIt) {
   }
 }
 
-TEST(Mosaic, BearsTroubledSites) {
+TEST(Mosaic, HandlesDegenerateSites) {
   Random random(3);
   for (int trial = 0; trial < 60; ++trial) {
     const Shape shape = random_shape(random);
-    const Samples samples = bound(shape, troubled_sites(shape, 25, random));
+    const Samples samples = bound(shape, degenerate_sites(shape, 25, random));
     const Surface surface = shape.surface();
     MosaicOptions options;
     options.shortest_edge = 0.0;
@@ -391,7 +391,7 @@ TEST(Mosaic, BearsTroubledSites) {
   }
 }
 
-/// A bisector that leaves a needle near its tip crosses two edges at one place.
+/// A bisector that cuts a needle near its tip crosses two edges at the same place.
 TEST(Mosaic, OfNeedlesHasNoPolygonThatMeetsItself) {
   Random random(3);
   for (int k = 0; k < 300; ++k) {

@@ -34,7 +34,7 @@ Points joined(Points a, const Points& b) {
   return a;
 }
 
-/// Around nothing: their cells meet in the middle and at the frame.
+/// A ring of sites: their cells meet in the empty middle and at the frame.
 Points ring(std::size_t count) {
   Points points;
   Random random(4);
@@ -54,7 +54,7 @@ Points line(std::size_t count) {
   return points;
 }
 
-/// Evenly, all over, in a corner far denser than elsewhere, around and along nothing.
+/// No sites, few, evenly many, a far denser corner, and sites around and along empty regions.
 std::vector<Points> arrangements() {
   return {{},
           random_points(2, 0, 1, 2),
@@ -68,7 +68,7 @@ std::vector<Points> arrangements() {
 
 struct Whole {
   std::int32_t site;
-  Vec2 turns;  // of the image
+  Vec2 turns;  // the image, as whole periods
   bool operator<(const Whole& other) const {
     return std::tuple(site, turns.x(), turns.y()) <
            std::tuple(other.site, other.turns.x(), other.turns.y());
@@ -76,7 +76,7 @@ struct Whole {
   bool operator==(const Whole&) const = default;
 };
 
-/// Whose bisectors bound the cell of site i when every other one cuts it.
+/// The sites whose bisectors bound the cell of site i if every other site cuts it.
 std::vector<Whole> expected_links(const Points& x, std::size_t i, bool periodic) {
   const Vec2 p = x[i].head<2>(), low = kFrame.min() - p, high = kFrame.max() - p;
   FlatPolygon cell;
@@ -163,7 +163,7 @@ TEST_P(FlatGraph, IsTheSameForAnyThreads) {
   }
 }
 
-// Four cells that meet at a point: whether two that face each other are linked, rounding decides.
+// Where four cells meet at a point, rounding decides whether the opposite ones are linked.
 TEST_P(FlatGraph, LinksNeighborsInALattice) {
   Points x;
   for (int k = 0; k < 400; ++k) x.emplace_back((k % 20 + 0.5) / 20, (k / 20 + 0.5) / 20, 0.0);
@@ -181,7 +181,7 @@ TEST_P(FlatGraph, LinksNeighborsInALattice) {
   }
 }
 
-// Its own images are all there is around it.
+// A single site has its own images as neighbors.
 TEST(TorusGraph, LinksALoneSiteToItself) {
   const Points x = {{0.3, 0.9, 0.0}};
   EXPECT_TRUE(plane_graph(x, kFrame).of(0).empty());

@@ -99,7 +99,7 @@ TEST_P(PlaneCase, AgreesWithTheFlatMesh) {
       expect_as_mesh(domain, domain.start(Start::kRandom, count, seed, nullptr));
 }
 
-/// Without the later ones of coincident sites; `kept` are the indices of the others.
+/// The first of coincident sites only; `kept` receives their indices.
 Sites without_twins(const Sites& sites, std::vector<std::size_t>& kept) {
   Sites result;
   for (std::size_t k = 0; k < sites.size(); ++k) {
@@ -112,13 +112,13 @@ Sites without_twins(const Sites& sites, std::vector<std::size_t>& kept) {
   return result;
 }
 
-TEST_P(PlaneCase, AgreesWithTheFlatMeshAtTroubledSites) {
+TEST_P(PlaneCase, AgreesWithTheFlatMeshAtDegenerateSites) {
   const Plane& domain = GetParam().domain;
   const Surface& surface = domain.surface();
   const Shape shape{"", surface.vertices(), surface.faces(), surface.density()};
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     Random random(seed);
-    const Sites sites = troubled_sites(shape, 1 + seed, random);
+    const Sites sites = degenerate_sites(shape, 1 + seed, random);
     std::vector<std::size_t> kept;
     const Sites distinct = without_twins(sites, kept);
     expect_as_mesh(domain, distinct);
@@ -134,7 +134,7 @@ TEST_P(PlaneCase, AgreesWithTheFlatMeshAtTroubledSites) {
   }
 }
 
-TEST_P(PlaneCase, SharesOutSitesInLinesAndOnCircles) {
+TEST_P(PlaneCase, HandlesSitesOnLinesAndCircles) {
   const Plane& domain = GetParam().domain;
   Points line, circle, lattice, same(5, Vec2(1.5, 0.35));
   for (int k = 0; k < 7; ++k) line.emplace_back(0.1 + 0.4 * k, 0.25);
@@ -182,7 +182,7 @@ TEST(Plane, MeasuresItsArea) {
 
 TEST(Plane, HasTheImagesMass) {
   EXPECT_NEAR(Plane::image(3, 2, {1, 1, {2.5}}).capacity(), 15.0, 1e-13);
-  // Linear between the centers at 0.25 and 0.75, constant beyond them.
+  // The density is linear between the centers at 0.25 and 0.75 and constant beyond them.
   EXPECT_NEAR(Plane::image(1, 1, {1, 2, {0.0, 1.0}}).capacity(), 0.5, 1e-14);
 }
 
@@ -206,12 +206,12 @@ TEST(Plane, FollowsAnImage) {
   const Plane ramp = Plane::image(1, 1, {1, 2, {0.0, 1.0}});
   std::size_t right = 0;
   for (const Vec2& p : sample(ramp, 400).positions) right += p.x() > 0.5 ? 1 : 0;
-  EXPECT_NEAR(double(right), 350.0, 8.0);  // the integral of the right half is 7/8
+  EXPECT_NEAR(double(right), 350.0, 8.0);  // the right half has 7/8 of the integral
 }
 
 // ---- the torus ----
 
-/// The square and the eight around it, as arrays.
+/// The square and its eight periodic images, as arrays.
 Shape tiled(const Image* image) {
   const int columns = image ? int(image->columns) : 1, rows = image ? int(image->rows) : 1;
   Shape shape{"tiled", {}, {}, {}};
@@ -237,7 +237,7 @@ Shape tiled(const Image* image) {
   return shape;
 }
 
-/// Against every site and its eight images cut by brute force.
+/// Compare with cells that all sites and their eight images cut by brute force.
 void expect_tiled(const Torus& torus, const Image* image, const Points& points) {
   std::vector<Vec3> images;
   for (const int y : {0, -1, 1})
@@ -296,7 +296,7 @@ TEST(Torus, AgreesWithATilingOfLattices) {
   }
 }
 
-TEST(Torus, SharesOutSitesInOneLine) {
+TEST(Torus, HandlesSitesOnOneLine) {
   Points points;
   for (int k = 0; k < 50; ++k) points.emplace_back(k / 50.0, 0.5);
   expect_tiled(Torus(), nullptr, points);
@@ -325,12 +325,12 @@ TEST(Torus, HoldsManySitesInOneCorner) {
   }
 }
 
-TEST(Torus, DoesNotKnowWhereTheSquareBegins) {
+TEST(Torus, IsInvariantUnderTranslations) {
   const Image image = wavy(4, 4);
   for (const std::size_t count : {5u, 300u}) {
     const Points points = random_points(count, 1, 1, 21);
     Points moved;
-    for (const Vec2& p : points) moved.push_back(p + Vec2(0.25, 0.5));  // whole pixels
+    for (const Vec2& p : points) moved.push_back(p + Vec2(0.25, 0.5));  // a shift by whole pixels
     Image shifted = image;
     for (std::size_t k = 0; k < 16; ++k)
       shifted.values[(k / 4 + 2) % 4 * 4 + (k % 4 + 1) % 4] = image.values[k];
@@ -342,7 +342,7 @@ TEST(Torus, DoesNotKnowWhereTheSquareBegins) {
   }
 }
 
-/// Central differences, with sites that hang over the border and outside the square.
+/// Compare with central differences, with sites close to the border and outside the square.
 void expect_gradient_is_slope(const Torus& torus, std::size_t count) {
   Points points = random_points(count, 1, 1, 5);
   points[0] = Vec2(-1e-9, 0.3);
@@ -438,7 +438,7 @@ TEST(Torus, StartsWithAllDartsApart) {
   EXPECT_NE(torus.start(Start::kPoisson, 500, 3, nullptr).positions, start.positions);
 }
 
-/// Bands around what both ways reach on the torus with 1,000 sites.
+/// Ranges around the values that both methods reach on the torus with 1,000 sites.
 TEST(Torus, IsEven) {
   for (const bool paper : {false, true})
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
@@ -512,7 +512,7 @@ TEST(SamplePlanar, StopsWhenCancelled) {
   EXPECT_THROW((void)sample(Torus(), 100, {}, &context), Cancelled);
 }
 
-TEST(Plane, NamesASiteBeyondAllMeasure) {
+TEST(Plane, NamesASiteTooFarAway) {
   for (const double far : {1e12, 1e159, 1e308}) {
     const std::vector<Vec2> points = {{0.5, 0.5}, {far, -far}};
     expect_message<ArgumentError>([&] { (void)Plane::rectangle(1, 1).sites(points); },

@@ -55,7 +55,7 @@ TEST(WidestGaps, AreInOpenCells) {
   }
 }
 
-TEST(WidestGaps, AreAsManyAsAskedWhereOpenCellsAreASmallPart) {
+TEST(WidestGaps, HaveTheRequestedCountInFewOpenCells) {
   const Surface surface = icosphere(4).surface();
   const Samples samples = sample(surface, 400);
   Gaps gaps{{samples.positions, samples.faces, samples.barycentric},

@@ -19,7 +19,7 @@ using Indices = std::vector<std::int32_t>;
 const Vec3 kMiddle(0.0, 0.0, 1.0);
 constexpr double kBall = 0.3;
 
-/// Few large discs, more of smaller ones, and points.
+/// Few large discs, more smaller ones, and points.
 std::vector<SampleClass> mixture() {
   return {{.count = 60, .radius = 0.1}, {.count = 300, .radius = 0.03}, {.count = 1000}};
 }
@@ -41,7 +41,7 @@ std::size_t count_of(const Samples& samples, std::int32_t c) {
   return static_cast<std::size_t>(std::count(samples.classes.begin(), samples.classes.end(), c));
 }
 
-/// Largest share by which two discs overlap, measured pair by pair.
+/// The largest overlap of two discs, relative to the wanted distance, measured pair by pair.
 double worst_overlap(const Samples& samples, std::span<const SampleClass> classes) {
   double worst = 0.0;
   const auto radius = [&](std::size_t k) {
@@ -55,7 +55,7 @@ double worst_overlap(const Samples& samples, std::span<const SampleClass> classe
   return worst;
 }
 
-/// How many of a class are where they were.
+/// The number of samples of a class that have not moved.
 std::size_t still(const Samples& before, const Samples& after, std::int32_t c) {
   std::size_t result = 0;
   for (std::size_t k = 0; k < after.size(); ++k) {
@@ -75,7 +75,7 @@ struct Relaxed {
   Indices changed = changed_faces(before, after);
 };
 
-TEST(RelaxedClasses, HaveTheCountsAskedFor) {
+TEST(RelaxedClasses, HaveTheRequestedCounts) {
   const Relaxed r;
   const Samples found = relax(r.after, r.samples, r.changed, relaxing(r.classes));
   check(r.after, found);
@@ -90,7 +90,7 @@ TEST(RelaxedClasses, StayWhereNothingHasChanged) {
   const Relaxed r;
   const Samples found = relax(r.after, r.samples, r.changed, relaxing(r.classes, true));
   check(r.after, found);
-  EXPECT_LT(found.size(), r.samples.size());  // fewer where the density is lower
+  EXPECT_LT(found.size(), r.samples.size());  // the density is lower
   EXPECT_GT(still(r.samples, found, 2), 500u);
   EXPECT_GT(still(r.samples, found, 1), 150u);
   EXPECT_LT(worst_overlap(found, r.classes), 2e-3);
@@ -172,7 +172,7 @@ TEST(RelaxedClasses, AreTheSameForAnyNumberOfThreads) {
             relax(r.after, r.samples, r.changed, two).positions);
 }
 
-TEST(RelaxedClasses, RefuseWhatTheyCannotBe) {
+TEST(RelaxedClasses, RefuseImpossibleRequests) {
   const Relaxed r;
   const auto refused = [&](const RelaxOptions& options, const std::string& words) {
     expect_message<ArgumentError>([&] { (void)relax(r.after, r.samples, r.changed, options); },

@@ -21,7 +21,7 @@ namespace {
 
 using Indices = std::vector<std::int32_t>;
 
-/// `inside` within a ball, `outside` elsewhere, at the vertices.
+/// A density at the vertices: `inside` within a ball, `outside` elsewhere.
 std::vector<double> ball_density(const Surface& surface, const Vec3& middle, double radius,
                                  double inside, double outside = 1.0) {
   std::vector<double> density;
@@ -35,7 +35,7 @@ Surface with_ball(const Surface& surface, const Vec3& middle, double radius, dou
       {DensityAt::kVertices, ball_density(surface, middle, radius, inside)});
 }
 
-/// The indices of what stays, before and after.
+/// The indices of samples that stay, before and after.
 std::vector<std::pair<std::size_t, std::size_t>> kept(const Samples& before, const Samples& after) {
   std::map<std::int32_t, std::size_t> place;
   for (std::size_t k = 0; k < after.size(); ++k) place[after.ids[k]] = k;
@@ -83,8 +83,8 @@ TEST_P(RelaxOn, MovesNothingWhereNothingChanges) {
   EXPECT_TRUE(same_bytes(relax(surface, before, {}), before));
 }
 
-/// What is beyond three spacings of a change keeps its bytes, but for one in a hundred.
-TEST(Relax, LeavesWhatIsFar) {
+/// Beyond three spacings from a change, 99 % of the samples keep their bytes.
+TEST(Relax, KeepsDistantSamples) {
   const Surface surface = blob(4).surface();
   const Samples before = sample(surface, 2000);
   const Vec3 middle = before.positions[100];
@@ -103,7 +103,7 @@ TEST(Relax, LeavesWhatIsFar) {
   }
 }
 
-/// How many there are follows the integral of the density, the capacity of each stays.
+/// The count follows the integral of the density; the capacity per sample stays.
 TEST(Relax, KeepsTheCapacityOfASample) {
   const Surface surface = blob(4).surface();
   const Samples before = sample(surface, 2000);
@@ -115,7 +115,7 @@ TEST(Relax, KeepsTheCapacityOfASample) {
   }
 }
 
-/// Means over some seeds, of the whole surface and of the quarter that has changed most.
+/// Means over several seeds, of the whole surface and of the quarter with the largest change.
 TEST(Relax, IsAsEvenAsAFullSolve) {
   const Surface surface = blob(4).surface();
   double variation[2] = {}, alpha[2] = {}, worst[2] = {};
@@ -141,7 +141,7 @@ TEST(Relax, IsAsEvenAsAFullSolve) {
   EXPECT_GT(worst[0], 0.95 * worst[1]);
 }
 
-TEST(Relax, FillsAVoidEvenly) {
+TEST(Relax, FillsAGapEvenly) {
   const Surface surface = blob(4).surface();
   double variation = 0.0, alpha = 0.0;
   constexpr int kSeeds = 4;
@@ -161,7 +161,7 @@ TEST(Relax, FillsAVoidEvenly) {
   EXPECT_GT(alpha, 0.62);
 }
 
-/// Also where sums of squared integrals of the density would leave the range of numbers.
+/// Units are also tested in which sums of squared integrals of the density overflow or underflow.
 TEST(Relax, IsTheSameInAnyUnitOfTheDensity) {
   const Surface surface = blob(3).surface();
   const Samples before = sample(surface, 300);
@@ -182,7 +182,7 @@ TEST(Relax, IsTheSameInAnyUnitOfTheDensity) {
   }
 }
 
-/// A component may lose all its samples, and gets new ones.
+/// A component may lose all its samples and get new ones.
 TEST(Relax, EmptiesAndSettlesAComponent) {
   const Shape other =
       mapped(icosphere(3), [](const Vec3& x) -> Vec3 { return x + Vec3(5.0, 0.0, 0.0); });
@@ -216,7 +216,7 @@ TEST(Relax, FollowsMovedVertices) {
   EXPECT_LT(analyze(after, relaxed).evenness.capacity_variation, 0.01);
 }
 
-TEST(Relax, RefusesASurfaceThatAsksForMoreSamplesThanThereCanBe) {
+TEST(Relax, RefusesADensityThatDemandsTooManySamples) {
   const Surface before = grid(20).surface();
   const Samples samples = sample(before, 1000);
   for (const double far : {1e9, 1e12}) {
@@ -237,11 +237,11 @@ TEST(Relax, GivesTheCount) {
     EXPECT_EQ(relax(surface, before, faces, {.count = count}).size(), count);
 }
 
-/// What goes is thinned out in several rounds, each of which rounds.
+/// Samples are removed in several rounds, and each of them rounds to whole numbers.
 TEST(Relax, GivesTheCountWhereADensityChangesOnRandomMeshes) {
   constexpr int kMeshes = 300;
   Random random(1);
-  int refused = 0;  // too few samples are free to go
+  int refused = 0;  // too few samples are free to be removed
   for (int k = 0; k < kMeshes; ++k) {
     const Shape shape = random_shape(random);
     const Surface surface = shape.surface();
@@ -260,8 +260,8 @@ TEST(Relax, GivesTheCountWhereADensityChangesOnRandomMeshes) {
   EXPECT_LT(refused, kMeshes / 4);
 }
 
-/// With another count than fits the region grows, until its border is even.
-TEST(Relax, SpreadsWhatDoesNotFit) {
+/// If the count does not fit the region, the region grows until its border is even.
+TEST(Relax, GrowsTheRegionIfTheCountDoesNotFit) {
   const Surface surface = blob(4).surface();
   const Samples before = sample(surface, 1000);
   const Samples relaxed = relax(surface, before, Indices{before.faces[0]}, {.count = 1005});
@@ -287,7 +287,7 @@ TEST(Relax, LockedSamplesStay) {
   EXPECT_EQ(there, locked.size());
 }
 
-/// The first so many samples.
+/// The first `count` indices.
 Indices first_ones(std::size_t count) {
   Indices result(count);
   std::iota(result.begin(), result.end(), 0);
@@ -308,7 +308,8 @@ TEST(Relax, GivesTheCountWhereAllOrAllButOneAreLocked) {
     }
 }
 
-/// In proportion to the cells of the locked samples, and not all into the one that may move.
+/// New samples are distributed in proportion to the cells of locked samples; the one that may move
+/// does not get all of them.
 TEST(Relax, PutsSamplesBetweenLockedOnes) {
   const Surface surface = blob(4).surface();
   const Samples before = sample(surface, 100);
@@ -334,7 +335,8 @@ TEST(Relax, PutsSamplesBetweenLockedOnesWhereTheDensityRises) {
   EXPECT_NEAR(all, static_cast<double>(count({})), 0.05 * all);
 }
 
-/// A cell without capacity has no gradient: samples in the middle of what is emptied stayed there.
+/// A cell without capacity has no gradient, so samples in the middle of a region that loses its
+/// density used to stay there.
 TEST(Relax, LeavesNoSampleWhereTheDensityIsZeroForAnUnchangedCount) {
   const Surface surface = icosphere(4).surface();
   const Samples before = sample(surface, 400);
@@ -364,7 +366,7 @@ TEST(Relax, LeavesNoSampleBesideLockedOnesWhereTheDensityIsZero) {
 
 Indices every_face(const Surface& surface) { return first_ones(surface.face_count()); }
 
-/// As even as samples of this surface that are placed anew, in the mean.
+/// The mean over several seeds is as even as new samples on this surface.
 void expect_as_even_as_anew(const Surface& surface, const std::vector<Samples>& found) {
   double variation[2] = {}, alpha[2] = {};
   for (std::size_t k = 0; k < found.size(); ++k) {
@@ -379,7 +381,7 @@ void expect_as_even_as_anew(const Surface& surface, const std::vector<Samples>& 
   EXPECT_GT(alpha[0], alpha[1] / 1.5);
 }
 
-/// Cells were measured by what each sample had before.
+/// The start used to measure cells by the previous capacity per sample.
 TEST(Relax, ReachesAnyCountFromAnyStart) {
   const Surface surface = blob(4).surface();
   std::vector<Samples> found;
@@ -409,7 +411,7 @@ TEST(Relax, PutsManySamplesBetweenFewLockedOnes) {
   expect_as_even_as_anew(surface, {relaxed});
 }
 
-/// All of them on one face.
+/// Locked samples that all lie on one face.
 Samples crowd(const Surface& surface, std::size_t count) {
   Random random(3);
   std::vector<Vec3> weights;
@@ -431,7 +433,7 @@ TEST(Relax, SpreadsACrowdForAnUnchangedCount) {
   expect_as_even_as_anew(surface, found);
 }
 
-/// The others have as much room as the crowd leaves them.
+/// The other samples share the area that the crowd leaves.
 TEST(Relax, IsEvenBesideACrowdOfLockedSamples) {
   const Surface surface = blob(4).surface();
   const Samples relaxed = relax(surface, crowd(surface, 100), every_face(surface),
@@ -464,7 +466,7 @@ TEST(Relax, IsAsEvenAsAnewAcrossARoadWithoutDensity) {
   expect_as_even_as_anew(after, found);
 }
 
-/// Wherever it is not said that something has changed.
+/// Samples outside the changed faces move as well.
 TEST(Relax, MovesSamplesThatAreWhereTheDensityIsZero) {
   const Surface surface = icosphere(4).surface();
   const Samples before = sample(surface, 300);
@@ -479,7 +481,7 @@ TEST(Relax, MovesSamplesThatAreWhereTheDensityIsZero) {
       same_place(before, 3, relaxed, static_cast<std::size_t>(place - relaxed.ids.begin())));
 }
 
-TEST(Relax, KeepsWhatSamplesCarry) {
+TEST(Relax, KeepsIdsAndClasses) {
   const Surface surface = blob(3).surface();
   Samples before = sample(surface, 200);
   before.fade.assign(200, 0.25);

@@ -13,7 +13,7 @@ namespace {
 
 using Indices = std::vector<std::int32_t>;
 
-/// What the polygons of all cells say.
+/// The rings derived from the polygons of all cells.
 struct Known {
   explicit Known(const Surface& surface, const Sites& sites)
       : neighbors(sites.size()), faces(sites.size()) {

@@ -19,7 +19,7 @@ class SurfacePartOf : public testing::TestWithParam<Shape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, SurfacePartOf, testing::ValuesIn(all_shapes()),
                          shape_name<testing::TestParamInfo<Shape>>);
 
-/// Cells with two rings around them on the part are those of the whole.
+/// Cells that have two rings around them on the part equal those on the whole surface.
 TEST_P(SurfacePartOf, HasTheSameCellsInside) {
   const Shape& shape = GetParam();
   const Surface surface = shape.surface();
@@ -48,8 +48,8 @@ TEST_P(SurfacePartOf, HasTheSameCellsInside) {
   EXPECT_NEAR(found.area, whole.cells[0].area, 1e-12 * surface.area());
 }
 
-TEST(SurfacePart, KeepsWhatHangsTogether) {
-  const Shape shape = soup(icosphere(2));  // each face has vertices of its own
+TEST(SurfacePart, KeepsConnectedFaces) {
+  const Shape shape = soup(icosphere(2));  // no face shares vertices with another
   const Surface surface = shape.surface();
   std::vector<OrderedFace> faces;
   for (std::size_t f = 0; f < surface.face_count(); ++f) faces.push_back(nth_face(f));
@@ -59,7 +59,7 @@ TEST(SurfacePart, KeepsWhatHangsTogether) {
   EXPECT_DOUBLE_EQ(all.surface().area(), surface.area());
 }
 
-TEST(WithoutHoles, FillsWhatIsSurrounded) {
+TEST(WithoutHoles, FillsEnclosedHoles) {
   const Surface surface = icosphere(4).surface();
   std::vector<OrderedFace> ring, filled;
   for (std::size_t f = 0; f < surface.face_count(); ++f) {

@@ -50,7 +50,7 @@ TEST_P(ClassesOn, HaveTheirCountsAndLieOnTheSurface) {
   EXPECT_EQ(samples.report.count, 131u);
 }
 
-TEST(Classes, OfOneAreThePlainSamples) {
+TEST(Classes, OfOneClassAreOrdinarySamples) {
   const Surface surface = blob(3).surface();
   const std::vector<SampleClass> one = {{.count = 200}};
   EXPECT_TRUE(same_bytes(sample_classes(surface, one, {.sample = {}}).positions,
@@ -60,7 +60,7 @@ TEST(Classes, OfOneAreThePlainSamples) {
   EXPECT_EQ(counts(samples.classes, 2), (std::vector<std::size_t>{0, 200}));
 }
 
-TEST(Classes, AreEvenEachAndTogether) {
+TEST(Classes, AreEvenByThemselvesAndTogether) {
   const Surface surface = blob(4).surface();
   const std::vector<SampleClass> classes = {{.count = 200}, {.count = 400}, {.count = 400}};
   const Report report = sample_classes(surface, classes).report;
@@ -72,8 +72,8 @@ TEST(Classes, AreEvenEachAndTogether) {
   }
 }
 
-/// Large discs, smaller ones and samples between them, as of trees, bushes and grass.
-TEST(Classes, OfWhichSomeAreRareAreEvenInFewEvaluationsWithoutOverlap) {
+/// Large discs, smaller ones, and samples between them, such as trees, bushes and grass.
+TEST(Classes, WithRareOnesAreEvenWithoutOverlapAfterFewEvaluations) {
   const Surface surface = grid(40).surface();
   const double spacing = surface.spacing(1'230);
   const std::vector<SampleClass> classes = {{.count = 1'000},
@@ -89,7 +89,7 @@ TEST(Classes, OfWhichSomeAreRareAreEvenInFewEvaluationsWithoutOverlap) {
   EXPECT_GT(report.evenness.alpha_min, 0.45);
 }
 
-TEST(Classes, OfWhichSomeAreRareKeepLockedSamplesAndTheLimitOfEvaluations) {
+TEST(Classes, WithRareOnesKeepLockedSamplesAndTheEvaluationLimit) {
   const Surface surface = grid(20).surface();
   const Samples there = sample(surface, 5);
   const Sites locked{there.positions, there.faces, there.barycentric};
@@ -102,7 +102,7 @@ TEST(Classes, OfWhichSomeAreRareKeepLockedSamplesAndTheLimitOfEvaluations) {
     EXPECT_EQ(samples.positions[300 + k], there.positions[k]) << k;
 }
 
-/// Class 0 grows to the right, class 1 to the left.
+/// The density of class 0 rises to the right, that of class 1 to the left.
 TEST(Classes, FollowTheirOwnDensities) {
   const Surface surface = grid(12).surface();
   const std::vector<double> right = along_x(surface, 0.0, 1.0), left = along_x(surface, 1.0, 0.0);
@@ -165,7 +165,7 @@ TEST(Classes, NeedNotBeEvenTogether) {
   check(surface, sample_classes(surface, classes, options));
 }
 
-TEST(Classes, InTwoStagesAreThePapersWay) {
+TEST(Classes, InTwoStagesMatchThePaper) {
   const Surface surface = blob(3).surface();
   const std::vector<SampleClass> classes = {{.count = 100}, {.count = 200}};
   const Report report = sample_classes(surface, classes, paper_class_options()).report;
@@ -173,8 +173,8 @@ TEST(Classes, InTwoStagesAreThePapersWay) {
   EXPECT_LT(report.evenness.capacity_variation, 0.05);
 }
 
-/// Few large and many small things.
-TEST(Classes, WithRadiiKeepTheirThingsApart) {
+/// Few large and many small objects.
+TEST(Classes, WithRadiiDoNotOverlap) {
   const Surface surface = grid(4).surface();
   const double unit = std::sqrt(surface.area());
   const std::vector<SampleClass> classes = {{.count = 8, .radius = 0.08 * unit},
@@ -192,8 +192,7 @@ TEST(Classes, WithRadiiKeepTheirThingsApart) {
   EXPECT_NEAR(samples.report.worst_overlap, worst, 1e-9);
 }
 
-/// How much nearer to a sample of class 0 than its radius the others come, at most; negative: they
-/// do not.
+/// The largest depth by which other samples lie inside the discs of class 0; negative if none does.
 double deepest_inside(const Samples& samples, double radius) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < samples.size(); ++i)
@@ -203,7 +202,7 @@ double deepest_inside(const Samples& samples, double radius) {
   return 1.0 - nearest / radius;
 }
 
-/// As of rocks among grass.
+/// For example rocks among grass.
 TEST(Classes, WithoutRadiusStayOutsideTheDiscsOfOthers) {
   const Surface surface = grid(12).surface();
   const double unit = std::sqrt(surface.area());

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kCount = 300;
 
-/// The stages sum to the time, and each of these took some.
+/// Check that the stages sum to the time and that each of `stages` took some.
 void expect_stages(const Report& report, std::initializer_list<Stage> stages) {
   EXPECT_GT(report.seconds, 0.0);
   EXPECT_DOUBLE_EQ(report.profile.total(), report.seconds);
@@ -50,7 +50,7 @@ TEST(Profile, OfClassesInOneStageOrTwoHasEveryStage) {
   expect_stages(sample_classes(surface, classes, paper_class_options()).report, kAll);
 }
 
-TEST(Profile, OfTooFewSamplesSumsUpToo) {
+TEST(Profile, OfTooFewSamplesSumsUp) {
   for (const std::size_t count : {0, 1, 3})
     expect_stages(sample(blob(2).surface(), count).report, {Stage::kOther});
 }
@@ -108,7 +108,7 @@ TEST(Profile, OfAWindowCountsEveryPassOverAFrame) {
   }
 }
 
-TEST(Profile, OfWhatIsOnlyMeasuredIsEmpty) {
+TEST(Profile, OfMeasurementsIsEmpty) {
   const Surface surface = blob(3).surface();
   const Report report = analyze(surface, sample(surface, 50));
   EXPECT_EQ(report.seconds, 0.0);

@@ -27,7 +27,8 @@ struct Distances {
   double smallest, mean;
 };
 
-/// To the nearest other point, over the spacing of a hexagonal lattice on that area.
+/// The smallest and mean distance to the nearest other point, relative to a hexagonal lattice with
+/// the same density.
 Distances relative_distances(const std::vector<Vec3>& points, double area) {
   const Neighbors tree(points);
   const double best = std::sqrt(2.0 * area / (std::sqrt(3.0) * static_cast<double>(points.size())));
@@ -55,8 +56,8 @@ TEST(Progressive, EveryBeginningIsEven) {
   for (const std::size_t count : {1900u, 1500u, 1000u, 700u, 500u, 200u, 100u, 50u}) {
     const auto [smallest, mean] =
         relative_distances(beginning(samples.positions, ranks, count), surface.area());
-    EXPECT_GT(smallest, 0.5) << count << " points";  // a part by chance: 0.05 to 0.3
-    EXPECT_GT(mean, 0.7) << count << " points";      // 0.5
+    EXPECT_GT(smallest, 0.5) << count << " points";  // a random subset: 0.05 to 0.3
+    EXPECT_GT(mean, 0.7) << count << " points";      // a random subset: 0.5
   }
 }
 

@@ -37,7 +37,7 @@ TEST_P(ResampleOn, GivesTheCountWithUniqueIds) {
   }
 }
 
-/// One per cent more, fewer, and of the density: most things stay where they are.
+/// After small changes of count or density most samples stay in place.
 TEST(Resample, MovesMostSamplesLittle) {
   const Surface surface = blob(4).surface();
   const Samples before = sample(surface, 1000);
@@ -62,10 +62,10 @@ TEST(Resample, MovesMostSamplesLittle) {
 
 // ---- where the density differs ----
 
-/// 100 on a cap of a sixteenth of a sphere, 1 elsewhere.
+/// Density 100 on a cap of a sixteenth of a sphere, 1 elsewhere.
 double on_the_cap(const Vec3& p) { return p.z() > 0.875 ? 100.0 : 1.0; }
 
-/// From 1 to 100 along x, smoothly.
+/// A density that rises smoothly from 1 to 100 along x.
 double ramp(const Vec3& p) { return std::pow(10.0, 1.0 + std::clamp(p.x(), -1.0, 1.0)); }
 
 double share(const Samples& samples, const std::function<bool(const Vec3&)>& part) {
@@ -78,7 +78,7 @@ double dense_share(const Samples& samples) {
   return share(samples, [](const Vec3& p) { return p.z() > 0.875; });
 }
 
-/// The means of several runs: a single one may be lucky, or not.
+/// Means over several runs, because a single run varies by chance.
 struct MeanEvenness {
   double variation = 0.0, alpha = 0.0;
 
@@ -88,7 +88,7 @@ struct MeanEvenness {
   }
 };
 
-/// As even as samples made anew.
+/// The result is as even as new samples.
 void expect_as_even(std::span<const Samples> runs, const Surface& surface) {
   constexpr std::size_t kRuns = 3;
   MeanEvenness fresh, after;
@@ -110,7 +110,7 @@ void expect_as_even(const Samples& after, const Surface& surface) {
   expect_as_even({&after, 1}, surface);
 }
 
-/// The largest slide of the samples that stayed, in spacings where they are.
+/// The largest slide of the samples that stayed, in local spacings.
 double worst_local_slide(const Surface& surface, const Samples& before, const Samples& after) {
   double worst = 0.0;
   for (std::size_t k = 0; k < after.size(); ++k) {
@@ -127,7 +127,7 @@ double worst_local_slide(const Surface& surface, const Samples& before, const Sa
   return worst;
 }
 
-TEST(Resample, TakesFromTheDensePartItsShare) {
+TEST(Resample, RemovesSamplesInProportionToTheDensity) {
   const Surface surface = with_face_density(icosphere(5), on_the_cap).surface();
   const Samples before = sample(surface, 1500);
   for (const std::size_t count : {1350u, 1650u, 750u, 3000u}) {
@@ -147,7 +147,7 @@ TEST(Resample, SlidesNothingFarUnderARamp) {
   }
 }
 
-/// The count stays, and many must go from where there shall be fewer to where there shall be more.
+/// The count stays, but many samples must move from regions that become sparser to denser ones.
 TEST(Resample, FollowsAnotherDensity) {
   const Surface flat = icosphere(5).surface();
   const Surface steep = with_density(icosphere(5), ramp).surface();
@@ -167,7 +167,7 @@ TEST(Resample, FollowsAnotherDensity) {
   expect_as_even(back, flat);
 }
 
-/// Components do not exchange samples: each has its own share before they are moved.
+/// Components do not exchange samples: each gets its count before samples move.
 TEST(Resample, GivesEachComponentItsShare) {
   const Shape small = mapped(icosphere(3), [](const Vec3& p) { return Vec3(0.5 * p); });
   const Shape large = mapped(icosphere(4), [](const Vec3& p) { return Vec3(p + Vec3(4, 0, 0)); });
@@ -181,7 +181,7 @@ TEST(Resample, GivesEachComponentItsShare) {
   }
 }
 
-TEST(Resample, TakesAwayWhatLiesWhereNothingShallBe) {
+TEST(Resample, RemovesSamplesWhereTheDensityIsZero) {
   const Samples before = sample(icosphere(4).surface(), 600);
   const Surface half = with_face_density(icosphere(4), [](const Vec3& p) {
                          return p.z() < 0.0 ? 1.0 : 0.0;
@@ -197,17 +197,17 @@ TEST(Resample, MovesASampleRoundACreaseToWhereTheDensityIs) {
       bind_samples(fold.surface(), std::vector<std::int32_t>{0}, std::vector{Vec3(0.2, 0.6, 0.2)});
   const Surface half = fold.surface().with_density({DensityAt::kFaces, std::vector{0.0, 1.0}});
   EXPECT_EQ(resample(half, before, 1).faces[0], 1);
-  // Also where no step is left for it.
+  // the same without any step left
   EXPECT_EQ(resample(half, before, 1, {.optimizer = {.max_evaluations = 1}}).faces[0], 1);
 }
 
-TEST(Resample, DoesNotMoveWhatIsWanted) {
+TEST(Resample, ChangesNothingIfTheCountFits) {
   const Surface surface = blob(3).surface();
   const Samples before = sample(surface, 300);
   EXPECT_TRUE(same_bytes(resample(surface, before, 300).positions, before.positions));
 }
 
-/// Those that are locked.
+/// Locked samples.
 std::vector<std::int32_t> rows_below(std::int32_t end) {
   std::vector<std::int32_t> rows(static_cast<std::size_t>(end));
   std::iota(rows.begin(), rows.end(), 0);
@@ -260,7 +260,8 @@ TEST(Resample, NamesWhatIsWrongWithLockedRows) {
   refuses(9, rows_below(10), {"count is 9", "10 samples are locked"});
 }
 
-/// Samples made by hand are where their faces and barycentric coordinates say.
+/// Samples constructed by a caller may lack positions: their faces and barycentric coordinates say
+/// where they are.
 TEST(Resample, PutsLockedSamplesWithoutAPositionWhereTheirFacesSay) {
   const Surface surface = blob(3).surface();
   const Samples whole = sample(surface, 20);
@@ -278,7 +279,7 @@ TEST(Resample, NamesSamplesOfAnotherSurface) {
                                 {"faces["});
 }
 
-TEST(Resample, NamesIdsThatLeaveNoRoomForOthers) {
+TEST(Resample, NamesIdsThatLeaveNoFreeIds) {
   const Surface surface = blob(2).surface();
   const Samples some = sample(surface, 20);
   std::vector<std::int32_t> ids = some.ids;
@@ -289,7 +290,7 @@ TEST(Resample, NamesIdsThatLeaveNoRoomForOthers) {
                                 {"ids", "2147483640", "8"});
 }
 
-/// Samples made by hand may have no ids.
+/// Samples constructed by a caller may have no ids.
 TEST(Resample, NumbersSamplesWithoutIds) {
   const Surface surface = blob(2).surface();
   Samples before = sample(surface, 20);

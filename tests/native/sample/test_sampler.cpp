@@ -73,7 +73,8 @@ TEST(Sampler, DependsOnTheSeed) {
   EXPECT_FALSE(same_bytes(sample(surface, 50), sample(surface, 50, other)));
 }
 
-/// Faces without density, all over the surface: what is outside has its share, nothing is inside.
+/// Faces without density are distributed over the whole surface: samples are even outside of them,
+/// and none is inside.
 TEST(Sampler, KeepsOffFacesWithoutDensity) {
   Shape shape = with_face_density(blob(4), [](const Vec3&) { return 1.0; });
   for (std::size_t f = 0; f < shape.faces.size(); f += 7) shape.density[f] = 0.0;
@@ -111,19 +112,21 @@ void expect_in_bands(const Surface& surface, SampleOptions options, const std::s
   }
 }
 
-// Hexagons would have alpha 1, spread 0 and e 0.16037. For the paper's own way, measurements of the
-// method on a torus at the paper's tolerance: alpha min 0.59, mean 0.83, spread 0.0033, e 0.1707.
+// Hexagons would have alpha 1, variation 0 and energy 0.16037. For the paper's options, the method
+// was measured on a torus at the paper's tolerance: alpha min 0.59, mean 0.83, variation 0.0033,
+// energy 0.1707.
 const Bands kPaper = {{0.30, 0.80}, {0.79, 0.90}, {0.0005, 0.010}, {0.1615, 0.1790}};
 
-// For the trust region with repulsion, on meshes after some ten evaluations: alpha min 0.59 (across
-// creases) to 0.70, mean 0.83 to 0.85, spread 0.005 to 0.008, and better with more.
+// For the trust region with repulsion, measured on meshes after about ten evaluations: alpha min
+// 0.59 (across creases) to 0.70, mean 0.83 to 0.85, variation 0.005 to 0.008; more evaluations
+// improve all of them.
 const Bands kGap = {{0.50, 0.85}, {0.80, 0.92}, {0.0005, 0.008}, {0.1615, 0.1710}};
 
-TEST(SamplerBands, ThePapersWayOnATorus) {
+TEST(SamplerBands, WithThePapersOptionsOnATorus) {
   expect_in_bands(torus(120, 60).surface(), paper_options(), "torus, paper", kPaper);
 }
 
-TEST(SamplerBands, ThePapersWayFromAPoissonStart) {
+TEST(SamplerBands, WithThePapersOptionsFromAPoissonStart) {
   SampleOptions options = paper_options();
   options.start = Start::kPoisson;
   expect_in_bands(torus(120, 60).surface(), options, "torus, paper from a Poisson start", kPaper);
@@ -157,7 +160,7 @@ TEST(SamplerBands, OnTheFandisk) {
                   {{0.40, 0.85}, {0.79, 0.92}, {0.0005, 0.015}, {0.1600, 0.1750}});
 }
 
-/// The repulsion adds what capacities alone do not give, a smallest distance.
+/// Repulsion ensures a minimum distance, which equal capacities alone do not.
 TEST(Sampler, KeepsNeighborsApartWithTheGap) {
   const Surface surface = torus(60, 30).surface();
   double with = 0.0, without = 0.0;
@@ -172,7 +175,7 @@ TEST(Sampler, KeepsNeighborsApartWithTheGap) {
   EXPECT_GT(with, without);
 }
 
-TEST(Sampler, EvensTheCapacitiesMoreWithTheCapacityTerm) {
+TEST(Sampler, TheCapacityTermMakesCapacitiesMoreEqual) {
   const Surface surface = torus(60, 30).surface();
   SampleOptions without;
   without.optimizer.capacity_weight = 0.0;
@@ -201,7 +204,7 @@ INSTANTIATE_TEST_SUITE_P(Frames, SamplerInUnits,
                          testing::Values(Frame{1e-6, 0, 1e-3}, Frame{1e6, 0, 1e-3},
                                          Frame{1, 1e6, 2e-3}));
 
-TEST_P(SamplerInUnits, IsAsEvenAsInAnyOther) {
+TEST_P(SamplerInUnits, IsAsEvenForEverySeed) {
   const auto [scale, shift, tolerance] = GetParam();
   const Shape shape = blob(3);
   const auto map = [scale = scale, shift = shift](const Vec3& p) {
@@ -213,8 +216,8 @@ TEST_P(SamplerInUnits, IsAsEvenAsInAnyOther) {
   EXPECT_NEAR(samples.report.energy, sample(shape.surface(), 300).report.energy, tolerance);
 }
 
-/// The density's unit is the caller's: only its ratios count. Where the scale is no power of two,
-/// the values differ in their last digits, and every step makes a little more of that.
+/// Only ratios of densities count. If the scale is no power of two, values differ in their last
+/// digits, and every step amplifies the difference.
 TEST(Sampler, GivesTheSameUnderADensityOfAnyScale) {
   const auto scaled = [](double scale) {
     return with_density(blob(3),
@@ -233,7 +236,7 @@ TEST(Sampler, GivesTheSameUnderADensityOfAnyScale) {
     EXPECT_NEAR(analyze(surface, expected).energy, expected.report.energy, 1e-12) << scale;
     EXPECT_NEAR(surface.capacity() / scale, scaled(1.0).capacity(), 1e-12 * scaled(1.0).capacity());
   }
-  // A power of two changes no digit of the values, and none of the samples.
+  // A power of two changes no digit of the values and no sample.
   for (const double scale : {0x1p-1000, 0x1p-664, 0x1p-40, 0x1p664, 0x1p1000})
     EXPECT_TRUE(same_bytes(sample(scaled(scale), 300), expected)) << scale;
 }
@@ -315,7 +318,7 @@ TEST(Sampler, RefusesToBeginWhenCancelled) {
   EXPECT_THROW((void)sample(blob(2).surface(), 0, {}, &context), Cancelled);
 }
 
-TEST(Sampler, TellsWhatWholeCountsOfSeparatePartsMakeOfTheVariation) {
+TEST(Sampler, ReportsTheVariationCausedByIntegerCountsPerComponent) {
   const Report one = sample(box(3).surface(), 100).report;
   EXPECT_EQ(one.whole_count_variation, 0.0);
   const Report many = sample(many_components(40).surface(), 100).report;
@@ -324,7 +327,7 @@ TEST(Sampler, TellsWhatWholeCountsOfSeparatePartsMakeOfTheVariation) {
 }
 
 /// A power of two changes no digit.
-TEST(Sampler, TellsWhatWholeCountsMakeOfItUnderADensityOfAnyScale) {
+TEST(Sampler, ReportsThatVariationForADensityOfAnyScale) {
   const auto told = [](double scale) {
     const Shape shape = with_density(
         many_components(40), [scale](const Vec3& p) { return scale * (1.5 + std::sin(p.x())); });

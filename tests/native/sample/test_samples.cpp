@@ -47,12 +47,12 @@ TEST(Samples, KeepTheirIdsAndClasses) {
   EXPECT_EQ(binding.bind().classes, binding.classes);
 }
 
-TEST(Samples, KeepWeightsThatAreGoodToTheLastBit) {
+TEST(Samples, KeepExactWeights) {
   const Samples samples = Binding().bind();
   EXPECT_TRUE(same_bytes(samples.barycentric, Binding().weights));
 }
 
-/// Binding what was bound changes nothing: a round trip does not drift.
+/// Binding bound samples again changes nothing: repeated round trips do not drift.
 TEST(Samples, AreTheSameBoundAgain) {
   const Shape shape = blob(2);
   const Surface surface = shape.surface();

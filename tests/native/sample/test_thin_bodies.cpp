@@ -12,9 +12,9 @@
 namespace dapple::test {
 namespace {
 
-using Curve = std::function<Vec3(double)>;  // of 0..1
+using Curve = std::function<Vec3(double)>;  // parameter: 0 to 1
 
-/// A tube of square section along a curve that nowhere runs along (1, 2, 3).
+/// A tube of square section along a curve that never runs along (1, 2, 3).
 Shape tube_along(const Curve& curve, double radius, int segments, bool closed = false) {
   Shape shape{"TubeAlong", {}, {}};
   const int rings = closed ? segments : segments + 1;
@@ -81,7 +81,7 @@ Shape bent_shell(int cells, double thickness) {
   });
 }
 
-/// 20 seeds are as even as they should be, in few evaluations.
+/// Samples of 20 seeds are even, after few evaluations.
 void expect_even(const Shape& shape, std::size_t count, double thin_share) {
   const Surface surface = shape.surface();
   for (std::uint64_t seed = 0; seed < 20; ++seed) {

@@ -36,7 +36,7 @@ std::vector<Points> white_runs(std::size_t runs, std::size_t count) {
   return result;
 }
 
-/// A point of each cell of a grid, off the middle by up to half of `jitter` cells.
+/// One point in each cell of a grid, displaced from the middle by up to half of `jitter` cells.
 Points jittered_grid(int side, double jitter, Random& random) {
   Points points;
   for (int row = 0; row < side; ++row)
@@ -46,7 +46,7 @@ Points jittered_grid(int side, double jitter, Random& random) {
   return points;
 }
 
-/// Offset rows that close around the torus.
+/// Rows with alternating offset that close around the torus.
 Points hexagons(int columns, int rows) {
   Points points;
   for (int row = 0; row < rows; ++row)
@@ -109,7 +109,8 @@ TEST(Spectrum, OfWhiteNoiseIsOne) {
   }
 }
 
-/// 1 - s^2 with s = sinc sinc of the jitter, and n s^2 more at the frequencies of the grid.
+/// The expected power is 1 - s^2 with s = sinc sinc of the jitter, plus n s^2 at the frequencies of
+/// the grid.
 TEST(Spectrum, OfAJitteredGridIsAsExpected) {
   const int side = 12, runs = 400;
   for (const double jitter : {1.0, 0.5}) {
@@ -138,8 +139,8 @@ TEST(Spectrum, OfASquareLatticeIsItsReciprocal) {
   });
 }
 
-/// Peaks where x is p times the columns and y is q halves of the rows, p + q even; six of them
-/// lie nearest to 0.
+/// Peaks are where x is p times the columns and y is q halves of the rows with p + q even; six of
+/// them are nearest to 0.
 TEST(Spectrum, OfAHexagonalLatticeIsItsReciprocal) {
   const int columns = 12, rows = 14, half_width = 40;
   const Spectrum found = spectrum_of({hexagons(columns, rows)}, half_width);
@@ -161,7 +162,7 @@ TEST(Spectrum, OfOnePointIsOneEverywhere) {
   for (const double value : found.radial.mean) EXPECT_NEAR(value, 1.0, 1e-13);
 }
 
-/// Nothing varies: no variance in decibels.
+/// Without variance there is no value in decibels.
 TEST(Spectrum, WithoutVarianceHasNoAnisotropy) {
   const Spectrum found = spectrum_of({{Vec2(0.0, 0.0)}}, 7);
   for (const double value : found.radial.anisotropy)
@@ -301,8 +302,8 @@ TEST(SurfaceSpectrum, OfWhiteNoiseInThePlaneIsOne) {
   for (const double value : found.radial_power.mean) EXPECT_NEAR(value, 1.0, 0.1);
 }
 
-/// A ring of geodesic radius t on the unit sphere has the length 2 pi sin t: with chords for
-/// lengths the ratio would be 1.
+/// A ring of geodesic radius t on the unit sphere has the length 2 pi sin t; with chord lengths the
+/// ratio would be 1.
 TEST(SurfaceSpectrum, MeasuresAlongTheSphere) {
   const Shape shape = icosphere(5);
   const SurfaceSpectrum found =
@@ -317,7 +318,7 @@ TEST(SurfaceSpectrum, MeasuresAlongTheSphere) {
   EXPECT_LT(found.radial_differentials.mean.back(), 0.965);
 }
 
-/// Differentials of a lattice are the lattice.
+/// Differences of lattice points are lattice points.
 TEST(SurfaceSpectrum, OfHexagonsIsTheirLattice) {
   const Sheet sheet = hexagon_sheet(40, 48);
   const SurfaceSpectrum found = spectrum_on(sheet.shape, {sheet.samples}, {.radius = 3.3});
@@ -342,7 +343,7 @@ TEST(SurfaceSpectrum, OfHexagonsIsTheirLattice) {
   EXPECT_LT(radial.mean[2], 0.2);
 }
 
-/// White noise that follows a density, each pair in the measure of its own spacing.
+/// White noise with a density, each pair measured relative to its own spacing.
 TEST(SurfaceSpectrum, FollowsADensity) {
   const DensityFunction density = [](const Vec3& p) { return 1.0 + 3.0 * p.x(); };
   const Shape shape = with_density(grid(1), density);
@@ -377,7 +378,7 @@ TEST(SurfaceSpectrum, OfOurSamplesIsBlue) {
   EXPECT_NEAR(radial.radius[static_cast<std::size_t>(peak)], 1.05, 0.15);
 }
 
-/// Front and back of a leaf do not see each other.
+/// Samples on the front and back of a leaf do not count as pairs.
 TEST(SurfaceSpectrum, KeepsToItsSheet) {
   const Sheet front = hexagon_sheet(24, 28);
   Shape back = mapped(front.shape, [](const Vec3& p) { return Vec3(p.x(), p.y(), -0.01); });

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRadius = 0.1;
 
-/// Places that are more cells from the origin than an integer can count.
+/// Positions that are more cells away from the origin than an integer can count.
 TEST(DartGrid, TakesPlacesBeyondAllCells) {
   const auto near = [](const DartGrid::Member& member) { return member.radius; };
   for (const double cell : {1e-15, 1e-300}) {
@@ -34,7 +34,8 @@ std::vector<Dart> random_darts(std::size_t count, double extent, std::uint64_t s
   return darts;
 }
 
-/// Members of different sizes, asked by darts of different sizes, some of them refused before.
+/// Members of different sizes, tested by darts of different sizes, some of which were rejected
+/// before.
 void expect_many_are_answered_as_one_by_one(double period, double extent) {
   DartGrid grid(1.5 * kRadius, period);
   for (const Dart& dart : random_darts(400, extent, 1))

@@ -11,7 +11,7 @@
 namespace dapple::test {
 namespace {
 
-/// Least distance between two sites, in spacings.
+/// The smallest distance between two sites, in spacings.
 double least_gap(const Surface& surface, const Sites& sites) {
   const Neighbors tree(sites.positions);
   std::vector<Neighbor> found;
@@ -61,7 +61,7 @@ TEST(PoissonStart, KeepsAWiderGapThanRandom) {
       std::cout << shape.name << ": least gap " << gap << " spacings, random " << random_gap
                 << '\n';
       EXPECT_GT(gap, 0.5) << shape.name;
-      EXPECT_LT(gap, 0.95) << shape.name;  // hexagons have 1, and darts do not land in hexagons
+      EXPECT_LT(gap, 0.95) << shape.name;  // hexagons have 1; random darts are less regular
       EXPECT_LT(random_gap, 0.2) << shape.name;
     }
   }

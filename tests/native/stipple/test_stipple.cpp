@@ -25,7 +25,7 @@ Image filled(std::size_t rows, std::size_t columns, double value) {
   return {rows, columns, std::vector<double>(rows * columns, value)};
 }
 
-/// Waves, darkest in the middle, with a white frame.
+/// Waves that are darkest in the middle, with a white frame.
 Image waves(std::size_t rows, std::size_t columns) {
   Image image = filled(rows, columns, 0.0);
   for (std::size_t r = 2; r + 2 < rows; ++r)
@@ -60,7 +60,8 @@ std::vector<std::size_t> counts_of(const Stipples& dots, std::size_t classes) {
 
 // ---- cells in a picture ----
 
-/// Every pixel a face of a flat mesh, its density constant: the general path, for comparison.
+/// A flat mesh with a face of constant density for every pixel, to compare with the general
+/// implementation.
 Surface mesh_of(const Image& image) {
   std::vector<Vec3> vertices;
   std::vector<Face> faces;
@@ -120,7 +121,7 @@ TEST(StippleCells, HaveTheGradientOfTheEnergy) {
     }
 }
 
-TEST(StippleCells, ShareOutThePictureEvenIfSitesCoincideOrLieOnLinesOfPixels) {
+TEST(StippleCells, CoverThePictureEvenIfSitesCoincideOrLieOnPixelBorders) {
   const Image image = waves(20, 30);
   const RasterDomain domain(image);
   Sites sites = random_sites(domain, image, 20);
@@ -140,7 +141,7 @@ TEST(StippleCells, ShareOutThePictureEvenIfSitesCoincideOrLieOnLinesOfPixels) {
   EXPECT_EQ(diagram.cells[11].area, 0.0);
 }
 
-/// Sites that have no cell leave nothing of what was there before.
+/// Sites without a cell overwrite all previous values.
 TEST(StippleCells, OverwriteOthers) {
   const Image image = waves(20, 30);
   const RasterDomain domain(image);
@@ -203,7 +204,7 @@ TEST(StippleStart, FollowsTheDensity) {
 
 // ---- dots ----
 
-TEST(Stipple, HasExactlyAsManyDotsAsWantedWhereThereIsInk) {
+TEST(Stipple, HasTheRequestedCountOfDotsOnInk) {
   const Image image = waves(40, 60);
   for (const std::size_t count : {1u, 2u, 3u, 50u, 1000u}) {
     const Stipples dots = stipple_inks({&image, 1}, count);
@@ -261,7 +262,7 @@ TEST(Stipple, AllotsInksByTheirSums) {
   EXPECT_EQ(counts_of(stipple_inks(inks, 101, options), 4), options.counts);
 }
 
-TEST(Stipple, KeepsInksEvenEachAndTogether) {
+TEST(Stipple, InksAreEvenByThemselvesAndTogether) {
   const std::vector<Image> inks = {filled(30, 40, 0.5), waves(30, 40)};
   const Stipples dots = stipple_inks(inks, 800);
   EXPECT_LT(dots.report.evenness.capacity_variation, 0.05);
@@ -312,7 +313,7 @@ TEST(Stipple, NamesWhatIsWrong) {
 
 // ---- color ----
 
-TEST(StippleInks, MixToThePictureTheyCameFrom) {
+TEST(StippleInks, RecomposeThePicture) {
   const ColorImage picture = {noise(20, 20, 1), noise(20, 20, 2), noise(20, 20, 3)};
   const std::array<Image, kInks> inks = separate_inks(picture);
   const ColorImage mixed = mix_inks(inks);
@@ -332,7 +333,7 @@ TEST(StippleInks, MixToThePictureTheyCameFrom) {
 }
 
 TEST(StippleInks, ArePureForPureColors) {
-  // One pixel of each ink, then white.
+  // one pixel of each ink, then white
   const ColorImage picture = {Image{1, 8, {1, 0, 0, 0, 1, 1, 0, 1}},
                               Image{1, 8, {0, 1, 0, 1, 0, 1, 0, 1}},
                               Image{1, 8, {0, 0, 1, 1, 1, 0, 0, 1}}};

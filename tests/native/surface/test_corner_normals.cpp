@@ -34,7 +34,7 @@ double most_from_faces(const Shape& shape, const Surface& surface) {
   return most;
 }
 
-/// An upright prism with `sides` around and caps, of shared vertices.
+/// An upright prism with `sides` sides and caps, whose vertices are shared.
 Shape prism(int sides) {
   Shape shape{.name = "prism", .vertices = {}, .faces = {}};
   for (int z = 0; z < 2; ++z)
@@ -60,7 +60,7 @@ TEST(CornerNormals, StandsUprightOnTheFacesOfACube) {
 }
 
 TEST(CornerNormals, IsRoundOnTheSideOfACylinderAndFlatOnItsCaps) {
-  const Shape shape = prism(12);  // turns by just 30 degrees
+  const Shape shape = prism(12);  // adjacent sides differ by exactly 30 degrees
   const std::vector<Vec3> normals = shape.surface().corner_normals();
   for (std::size_t k = 0; k < normals.size(); ++k) {
     const Vec3& v = shape.vertices[static_cast<std::size_t>(shape.faces[k / 3][k % 3])];
@@ -79,7 +79,7 @@ TEST(CornerNormals, TakesTheAngleThatIsAskedFor) {
   EXPECT_EQ(flat.sharp_angle(), 29.0);
 }
 
-TEST(CornerNormals, DoesNotSeeHowVerticesAreSplit) {
+TEST(CornerNormals, IgnoresSplitVertices) {
   for (const Shape& shape : {blob(3), icosphere(2), torus(24, 12), tube(30, 4), tee(4), fin(3)}) {
     const std::vector<Vec3> one = shape.surface().corner_normals();
     const std::vector<Vec3> other = soup(shape).surface().corner_normals();
@@ -88,7 +88,7 @@ TEST(CornerNormals, DoesNotSeeHowVerticesAreSplit) {
   }
 }
 
-/// The kind of the fault: the same points, judged on welded and on split vertices.
+/// The same points are judged on welded and on split vertices.
 TEST(CornerNormals, JudgesSamplesAlikeOnWeldedAndSplitVertices) {
   for (const Shape& shape : {box(6), prism(40), blob(3)}) {
     const Samples samples = sample(shape.surface(), 300);
@@ -112,7 +112,7 @@ TEST(CornerNormals, JumpsBetweenFacesThatAreOrientedAgainstEachOther) {
 }
 
 TEST(CornerNormals, GoesThroughFacesWithoutAreaWhereTheSurfaceIsSmooth) {
-  Shape shape = icosphere(2);  // a sliver on the first edge, in between two faces
+  Shape shape = icosphere(2);  // a sliver on the first edge, between two faces
   const auto [a, b, c] = shape.faces[0];
   const std::vector<Vec3> before = shape.surface().corner_normals();
   const auto middle = static_cast<std::int32_t>(shape.vertices.size());
@@ -185,7 +185,7 @@ TEST(CornerNormals, KeepsHardEdgesOfWhatIsDeformed) {
   };
   const Shape after = mapped(shape, flattened);
   EXPECT_LE(most_from_faces(after, shape.surface().deformed(after.vertices)), 1e-6);
-  // Bent by far more than the angle, a smooth surface stays smooth.
+  // A surface bent by far more than the angle stays smooth if its faces differ little.
   const Shape sheet = grid(8);
   const Shape bent = mapped(sheet, [](const Vec3& p) {
     return Vec3(p.x() < 0.5 ? p.x() : 0.5, p.y(), p.x() < 0.5 ? 0.0 : p.x() - 0.5);

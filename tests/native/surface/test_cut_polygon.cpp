@@ -14,7 +14,7 @@ namespace {
 
 using Polygon = std::vector<Vec3>;
 
-/// A floor with a notch of 1 by 2 from above.
+/// A floor with a notch of 1 by 2, seen from above.
 const Polygon kFloor = {{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {2, 3, 0},
                         {2, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}};
 
@@ -91,7 +91,7 @@ TEST(CutPolygon, NearlyFlatOnesKeepTheirShape) {
   }
 }
 
-/// Seen along an axis two corners of it are one.
+/// Seen along an axis, two of its corners coincide.
 TEST(CutPolygon, AQuadFarFromFlatKeepsItsCorners) {
   EXPECT_EQ(cut_polygon(Polygon{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}).size(), 2u);
 }
@@ -102,7 +102,7 @@ TEST(CutPolygon, ADartIsCutThroughItsDent) {
     EXPECT_DOUBLE_EQ(area(begun_at(dart, first)), 1.0);
 }
 
-TEST(CutPolygon, CornersOnALineAreNoTrouble) {
+TEST(CutPolygon, HandlesCornersOnALine) {
   const Polygon square = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 2, 0}, {0, 2, 0}};
   for (std::ptrdiff_t first = 0; first < 6; ++first) {
     EXPECT_DOUBLE_EQ(area(begun_at(square, first)), 4.0);
@@ -111,13 +111,13 @@ TEST(CutPolygon, CornersOnALineAreNoTrouble) {
   EXPECT_EQ(area({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}), 0.0);
 }
 
-TEST(CutPolygon, RepeatedCornersAreNoTrouble) {
+TEST(CutPolygon, HandlesRepeatedCorners) {
   EXPECT_DOUBLE_EQ(area({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 0}, {0, 1, 0}}), 1.0);
   EXPECT_DOUBLE_EQ(area({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 0}}), 0.5);
   EXPECT_EQ(area({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}), 0.0);
 }
 
-/// As programs write a face with a hole: out and in over the same edge.
+/// Some programs write a face with a hole as one polygon that goes in and out along the same edge.
 TEST(CutPolygon, AHoleAtTheEndOfABridgeStaysOne) {
   const Polygon ring = {{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {0, 3, 0}, {0, 0, 0},
                         {1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}, {1, 1, 0}};
@@ -129,14 +129,14 @@ TEST(CutPolygon, AnEdgeThatGoesOutAndBackAddsNothing) {
   EXPECT_DOUBLE_EQ(area({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {2, 2, 0}, {1, 1, 0}, {0, 1, 0}}), 1.0);
 }
 
-TEST(CutPolygon, EdgesThatCrossAreNoTrouble) {
+TEST(CutPolygon, HandlesEdgesThatCross) {
   EXPECT_LE(area({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}}), 1.0 + 1e-12);
   Polygon star;
   for (int k = 0; k < 5; ++k)
     star.emplace_back(std::cos(k * 4 * std::numbers::pi / 5),
                       std::sin(k * 4 * std::numbers::pi / 5), 0.0);
   EXPECT_EQ(cut_polygon(star).size(), 3u);
-  Polygon slip = kFloor;  // of which an edge only just crosses another
+  Polygon slip = kFloor;  // one edge barely crosses another
   slip[4] = {1 - 1e-6, 1, 0};
   slip[5] = {1 + 1e-6, 1, 0};
   slip[3] = {1 + 1e-6, 3, 0};
@@ -149,12 +149,12 @@ TEST(CutPolygon, APolygonTakenTwiceHasItsAreaAtMostTwice) {
   EXPECT_LE(area(twice), 1.0 + 1e-12);
 }
 
-TEST(CutPolygon, WhateverTheCornersEachIsThere) {
+TEST(CutPolygon, UsesEveryCorner) {
   Random random(5);
   for (int round = 0; round < 2000; ++round) {
     Polygon corners;
     const int count = 3 + below(random, 12);
-    for (int k = 0; k < count; ++k)  // a few places only, so that much meets
+    for (int k = 0; k < count; ++k)  // few different positions, so that many edges intersect
       corners.emplace_back(below(random, 4), below(random, 4),
                            round % 3 == 0 ? below(random, 2) : 0);
     const auto cuts = cut_polygon(corners);
@@ -164,7 +164,7 @@ TEST(CutPolygon, WhateverTheCornersEachIsThere) {
   }
 }
 
-TEST(CutPolygon, CoordinatesThatAreNotFiniteAreNoTrouble) {
+TEST(CutPolygon, HandlesCoordinatesThatAreNotFinite) {
   Polygon floor = kFloor;
   floor[3].x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(cut_polygon(floor).size(), 6u);
@@ -185,8 +185,8 @@ TEST(CutPolygon, AThousandCorners) {
   EXPECT_NEAR(area(comb), 249.5 + 250 * 0.5, 1e-9);
 }
 
-/// In every format; texture coordinates and normals go with their corners.
-TEST(CutPolygon, KeepsWhatStandsAtTheCorners) {
+/// Texture coordinates and normals follow their corners in every format.
+TEST(CutPolygon, KeepsAttributesOfCorners) {
   std::ostringstream obj, off, ply, face;
   off << "OFF\n8 1 0\n";
   ply << "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"

@@ -16,7 +16,7 @@
 namespace dapple::test {
 namespace {
 
-/// The faces of a shape again, each beginning at another corner.
+/// The faces of a shape again, each starting at another corner.
 Shape doubled(Shape shape, bool turned, bool own_vertices) {
   const std::size_t faces = shape.faces.size();
   const auto first = static_cast<std::int32_t>(own_vertices ? shape.vertices.size() : 0);
@@ -57,7 +57,7 @@ TEST(DoubledFaces, CountOnceHoweverTheyAreTurned) {
   }
 }
 
-TEST(DoubledFaces, OfTwoCubesHalfTheSamplesAreOnEach) {
+TEST(DoubledFaces, HalfTheSamplesAreOnEachOfTwoCubes) {
   const auto away = [](const Vec3& p) { return Vec3(p + Vec3(3, 0, 0)); };
   for (const Shape& shape : doubled_in_all_ways(box(4))) {
     const Surface surface = joined(shape, mapped(box(4), away)).surface();
@@ -81,7 +81,7 @@ TEST(DoubledFaces, ADoubleSidedGroundIsAsEvenAsASingleOne) {
   }
 }
 
-TEST(DoubledFaces, AreNoAnswerOfAProjection) {
+TEST(DoubledFaces, AreNeverFoundByAProjection) {
   for (const Shape& shape : doubled_in_all_ways(grid(3))) {
     const Surface surface = shape.surface();
     Random random(1);
@@ -125,7 +125,8 @@ TEST(DoubledFaces, CellsAreThoseOfTheSingleSurface) {
   const RestrictedVoronoi single = restricted_voronoi(box(3).surface(), sites, Cells::kEuclidean);
   for (const Shape& shape : doubled_in_all_ways(box(3))) {
     Sites there = sites;
-    for (std::size_t k = 0; k < there.size(); k += 2) {  // half of them on faces that do not count
+    // half of them lie on faces that do not count
+    for (std::size_t k = 0; k < there.size(); k += 2) {
       there.faces[k] += static_cast<std::int32_t>(shape.faces.size() / 2);
       there.barycentric.clear();
     }
@@ -135,7 +136,7 @@ TEST(DoubledFaces, CellsAreThoseOfTheSingleSurface) {
   }
 }
 
-TEST(DoubledFaces, AreCutNoFiner) {
+TEST(DoubledFaces, AreNotCutFiner) {
   for (const Shape& shape : doubled_in_all_ways(grid(2))) {
     const Surface surface = shape.surface();
     const Refined refined = refine_edges(surface, std::array{0.2}, 10000);

@@ -7,7 +7,7 @@
 
 #include "surface/mesh_readers.hpp"
 
-// Files as other programs write them, all of the same cube.
+// Files as other programs write them, all with the same cube.
 
 namespace dapple::test {
 namespace {
@@ -26,14 +26,14 @@ std::string place(int k) {
   return words;
 }
 
-/// Lines of the eight corners, with words around each.
+/// Lines of the eight corners with text before and after each.
 std::string places(const std::string& before, const std::string& behind = "") {
   std::string lines;
   for (int k = 0; k < 8; ++k) lines.append(before).append(place(k)).append(behind).append("\n");
   return lines;
 }
 
-/// Lines of the six sides, indices counted from `first`, each followed by `behind`.
+/// Lines of the six sides, with indices counted from `first`, each followed by `behind`.
 std::string sides(const std::string& before, int first = 0, const std::string& behind = "") {
   std::string lines;
   for (const auto& side : kSides) {
@@ -165,7 +165,7 @@ TEST(FoundFiles, ABinaryPlyMayHaveAHeaderWithCarriageReturns) {
 TEST(FoundFiles, AnStlThatSaysTooFewTrianglesLosesNone) {
   for (const std::uint32_t says : {0u, 5u, 12u, 0xffffffffu})
     expect_cube(read_stl(binary_stl(says)));
-  expect_cube(read_stl(binary_stl(12) + "made by somebody"));  // and no triangle is lost
+  expect_cube(read_stl(binary_stl(12) + "made by somebody"));  // no triangle is lost
 }
 
 TEST(FoundFiles, AnStlOfAnotherSizeThanItSaysIsRefused) {
@@ -279,7 +279,7 @@ TEST(FoundFiles, PlyHasTextureCoordinatesAtCorners) {
   EXPECT_EQ(mesh.uv[1][1], Vec2(0, 0));
 }
 
-/// Both sides of a quad were cut along different lines, and counted twice.
+/// Both sides of a quad used to be cut along different diagonals and counted twice.
 TEST(FoundFiles, PolygonsOnEachOtherAreCutAlike) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
   for (const std::string second :

@@ -12,7 +12,7 @@
 namespace dapple::test {
 namespace {
 
-/// A square with a checkerboard of density 0 and 1 on its faces, or with bridges between the
+/// A square whose faces form a checkerboard of density 0 and 1, or one with bridges between its
 /// fields.
 Shape board(int cells, int fields, bool bridges) {
   return with_face_density(grid(cells), [=](const Vec3& p) {
@@ -40,9 +40,9 @@ TEST(Islands, ThatTouchAtACornerAreTwo) {
 }
 
 TEST(Islands, AnEdgeWithoutDensityParts) {
-  // 0 along the line x = 1/2, where the density of the vertices falls to 0 from both sides.
+  // The density of the vertices falls to 0 from both sides of the line x = 1/2.
   const Shape shape = with_density(grid(8), [](const Vec3& p) { return std::abs(p.x() - 0.5); });
-  EXPECT_EQ(Islands(shape.surface()).count(), 1u);  // there is no gap: nothing else is looked at
+  EXPECT_EQ(Islands(shape.surface()).count(), 1u);  // there is no gap, so faces are not visited
   const Shape gap = with_density(
       grid(8), [](const Vec3& p) { return std::max(0.0, std::abs(p.x() - 0.5) - 0.125); });
   EXPECT_EQ(Islands(gap.surface()).count(), 3u);

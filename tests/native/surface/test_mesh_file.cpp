@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An empty folder of the test's own, gone at the end.
+/// An empty folder for one test, removed at the end.
 class MeshFile : public testing::Test {
  protected:
   void SetUp() override {
@@ -45,7 +45,7 @@ class MeshFile : public testing::Test {
     return path(name);
   }
 
-  /// Either the file is refused by name, or what was read is refused as a surface.
+  /// Check that the file is rejected by name, or that its content is rejected as a surface.
   static void expect_refused(const fs::path& file) {
     try {
       const MeshArrays mesh = read_mesh(file);
@@ -74,7 +74,7 @@ class MeshFile : public testing::Test {
 constexpr std::array<const char*, 4> kSuffixes = {".ply", ".off", ".obj", ".stl"};
 
 #ifndef _WIN32
-/// A file of this process may not become larger while this lives: as on a full disk.
+/// While this exists, files of this process cannot grow beyond a size, as on a full disk.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) : before_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -95,7 +95,7 @@ class FullDisk {
 };
 #endif
 
-/// Coordinates whose digits fill a double, far from the origin and tiny.
+/// Coordinates that need all digits of a double, far from the origin and tiny.
 Shape digits() {
   return mapped(blob(2), [](const Vec3& p) {
     return Vec3(p.x() / 3.0, 1e-9 * p.y() * std::numbers::pi, 1e7 + p.z());
@@ -195,7 +195,7 @@ TEST_F(MeshFile, RefusesBadIndicesAndNumbers) {
   expect_refused(write_text("low.ply", header + "0 0 0\n1 0 0\n0 1 2\n3 0 1 -1\n"));
 }
 
-TEST_F(MeshFile, AFileWithoutFacesIsReadWhereItMayBe) {
+TEST_F(MeshFile, AFileWithoutFacesIsReadOnRequest) {
   const fs::path file = write_text("empty.obj", "v 0 0 0\n");
   expect_message<FileError>([&] { (void)read_mesh(file); }, {"empty.obj", "holds no faces"});
   EXPECT_EQ(read_mesh(file, true).vertices.size(), 1u);
@@ -224,7 +224,7 @@ TEST_F(MeshFile, NamesAFileItCannotWrite) {
 
 TEST_F(MeshFile, MergesTheCornersOfStl) {
   for (const Shape& shape : {icosphere(2), fin(3), moebius(12)}) {
-    const Shape single = mapped(  // to digits that single precision has
+    const Shape single = mapped(  // rounded to single precision
         shape, [](const Vec3& p) { return Vec3((1024.0 * p).array().round() / 1024.0); });
     write_mesh(path("mesh.stl"), single.vertices, single.faces);
     const MeshArrays read = read_mesh(path("mesh.stl"));
@@ -248,7 +248,7 @@ TEST_F(MeshFile, ReadsTextStl) {
   EXPECT_EQ(read.faces, (std::vector<Face>{{0, 1, 2}, {1, 3, 2}}));
 }
 
-TEST_F(MeshFile, ReadsWhatOthersPutBesideTheCoordinates) {
+TEST_F(MeshFile, SkipsExtraColumns) {
   const std::vector<Face> expected = {{0, 1, 2}, {0, 2, 3}};
   const std::string corners[4] = {"0 0 0", "1 0 0", "1 1 0", "0 1 0"};
   std::string coff = "COFF # colors\n\n4 1 0\n", obj = "mtllib a.mtl\r\no thing\r\n";
@@ -294,7 +294,7 @@ TEST_F(MeshFile, ReadsBinaryPlyOfEitherEnd) {
   }
 }
 
-/// Each of these has crashed a reader.
+/// Each of these files has crashed a reader.
 TEST_F(MeshFile, NamesTheLineThatIsWrong) {
   const auto refused = [&](const char* name, const std::string& text, const char* part) {
     expect_message<FileError>([&] { (void)read_mesh(write_text(name, text)); }, {name, part});
@@ -350,7 +350,8 @@ TEST_F(MeshFile, ReadsNumbersOfAnyLength) {
             std::numeric_limits<double>::infinity());
 }
 
-/// Whatever the bytes, a mesh or an error with the file's name; the sanitizers look on.
+/// Whatever the bytes, the result is a mesh or an error with the file's name; sanitizers check the
+/// rest.
 TEST_F(MeshFile, SurvivesChangedBytes) {
   const Shape shape = blob(0);
   Random random(4);
@@ -380,8 +381,8 @@ TEST_F(MeshFile, SurvivesChangedBytes) {
   }
 }
 
-#ifndef _WIN32  // what other systems have: limits of a process, links and pipes among files
-TEST_F(MeshFile, LeavesWhatWasThereOnAFullDisk) {
+#ifndef _WIN32  // requires limits of a process, links and pipes
+TEST_F(MeshFile, KeepsTheOldFileOnAFullDisk) {
   const Shape shape = blob(3);
   for (const char* suffix : kSuffixes) {
     const fs::path file = write_text(std::string("mesh") + suffix, "before");
@@ -396,8 +397,8 @@ TEST_F(MeshFile, LeavesWhatWasThereOnAFullDisk) {
   }
 }
 
-/// Of a small file every byte may be the last that fits, of a large one the last of every block.
-TEST_F(MeshFile, LeavesWhatWasThereWhereverTheDiskIsFull) {
+/// The disk is full at every byte of a small file and at the end of every block of a large one.
+TEST_F(MeshFile, KeepsTheOldFileWhereverTheDiskBecomesFull) {
   for (const auto& [shape, step] : {std::pair(tetrahedron(), 1), std::pair(blob(3), 512)})
     for (const char* suffix : kSuffixes) {
       const fs::path file = path(std::string("mesh") + suffix);

@@ -12,9 +12,9 @@
 namespace dapple::test {
 namespace {
 
-#ifndef _WIN32  // whose libraries all read numbers by std::from_chars
+#ifndef _WIN32  // on Windows all libraries read numbers by std::from_chars
 
-/// What is read at the start of a word, beside what std::from_chars reads there.
+/// Compare the number at the start of a word with that of std::from_chars.
 void expect_alike(const std::string& word) {
   const char *first = word.data(), *last = first + word.size();
   double expected = 7.0, found = 7.0;

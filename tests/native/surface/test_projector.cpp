@@ -35,7 +35,7 @@ Closest brute_force_closest(const Shape& shape, const Vec3& point) {
   return best;
 }
 
-/// The middle and half the extent.
+/// The center and half the extent.
 std::pair<Vec3, double> extent(const Shape& shape) {
   Vec3 low = shape.vertices[0], high = low;
   for (const Face& face : shape.faces)
@@ -137,7 +137,7 @@ TEST_P(ProjectorOn, GivesTheSameBytesForAnyHint) {
   }
 }
 
-/// Without ties the face is the same too.
+/// Without ties the face is the same as well.
 TEST(Projector, FindsTheClosestFace) {
   const Shape shape = blob(3);
   Random random(65);
@@ -153,7 +153,7 @@ TEST(Projector, FindsTheClosestFace) {
   EXPECT_EQ(Projector(surface).project(points).faces, sites.faces);
 }
 
-// On these shapes all sums are exact in double precision, so that ties are ties.
+// On these shapes all sums are exact in double precision, so ties are exact.
 TEST(Projector, GivesTiesToTheLowestFace) {
   const Shape sheet = grid(4);
   std::vector<Vec3> points;
@@ -171,7 +171,8 @@ TEST(Projector, GivesTiesToTheLowestFaceWhateverTheOrderOfFaces) {
   for (std::size_t turn = 0; turn < shape.faces.size(); ++turn) {
     std::rotate(shape.faces.begin(), shape.faces.begin() + 1, shape.faces.end());
     const Projection found = Projector(shape.surface()).project(points);
-    for (std::size_t k = 0; k < 4; ++k)  // the middle is equally far from all only up to rounding
+    // the center is equally far from all faces only up to rounding
+    for (std::size_t k = 0; k < 4; ++k)
       EXPECT_EQ(found.faces[k], brute_force_closest(shape, points[k]).face)
           << points[k].transpose();
   }
@@ -260,8 +261,8 @@ TEST(Projector, NamesTheFirstHintOutOfRange) {
   expect_message<ArgumentError>([&] { (void)projector.project(points, few); }, {"hints", "1", "3"});
 }
 
-/// Embree alone would see each of the bodies as one point, and look at all faces for each query.
-TEST(Projector, TellsFacesOfBodiesFarApartFromEachOther) {
+/// Embree alone would round each body to one point and visit all faces for each query.
+TEST(Projector, DistinguishesFacesOfBodiesFarApart) {
   for (const double far : {1e3, 1e6, 1e8}) {
     const Shape ball = icosphere(3);
     const Shape other = mapped(ball, [&](const Vec3& x) { return Vec3(x + Vec3(far, 0, 0)); });
@@ -301,8 +302,8 @@ TEST(Projector, MeetsAndGathersBodiesFarApart) {
   EXPECT_EQ(found[2].size(), static_cast<std::size_t>(2 * faces));
 }
 
-/// So far that its square overflows only the direction is left to tell what is nearest.
-TEST(Projector, FindsTheFarthestCornerForPointsBeyondAllMeasure) {
+/// If the squared distance overflows, only the direction determines the closest corner.
+TEST(Projector, FindsTheClosestCornerForVeryFarPoints) {
   const Shape shape = octahedron();
   for (const double size : {1e-60, 1.0, 1e60})
     for (const double far : {1e15, 1e155, 1e300}) {
@@ -321,7 +322,7 @@ TEST(Projector, FindsTheFarthestCornerForPointsBeyondAllMeasure) {
     }
 }
 
-TEST(Projector, GathersNoFaceAroundPointsBeyondAllMeasure) {
+TEST(Projector, FindsNoFaceAroundVeryFarPoints) {
   const Surface surface = octahedron().surface();
   const std::vector<Vec3> points = {{1e200, 0, 0}, {1e200, 0, 0}, {0, 0, 0}};
   const auto found = Projector(surface).faces_within(points, std::vector{1.0, 1e201, 1e200});

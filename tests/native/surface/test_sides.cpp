@@ -21,7 +21,7 @@ Shape cuboid(int cells, double x, double y, double z) {
 
 Shape plate(int cells) { return cuboid(cells, 1.0, 1.0, 0.002); }
 
-/// A wall whose two sides meet at a sharp edge on one side, and are far apart on the other.
+/// A wall whose sides meet at a sharp edge on one end and are far apart on the other.
 Shape wedge(double thickness) {
   return mapped(box(20), [=](const Vec3& p) {
     return Vec3(p.x(), p.y(), thickness * (p.z() - 0.5) * p.x() * p.x());
@@ -77,7 +77,7 @@ TEST(Sides, WallsThatMeetInAThickPartStayConnected) {
 }
 
 TEST(Sides, TheTopOfATableIsASide) {
-  // A plate with a thick leg, both of one mesh: the leg goes on from the lower side.
+  // A plate with a thick leg in one mesh: the leg continues the lower side.
   const Shape table = mapped(box(30), [](const Vec3& p) {
     const bool leg = std::abs(p.x() - 0.5) < 0.15 && std::abs(p.y() - 0.5) < 0.15;
     return Vec3(p.x(), p.y(), p.z() == 0.0 && leg ? -0.6 : 0.01 * p.z());
@@ -87,7 +87,7 @@ TEST(Sides, TheTopOfATableIsASide) {
   EXPECT_EQ(components(sided->all), 2);
 }
 
-TEST(Sides, NoiseMakesNone) {
+TEST(Sides, NoiseCreatesNone) {
   Random random(7);
   Shape shape = grid(100);
   for (Vec3& v : shape.vertices) v += 0.02 * random.in_box();
@@ -113,7 +113,8 @@ TEST(Sides, NoCellOfOneSideHasAPieceOfTheOther) {
 }
 
 TEST(Sides, RimsThatAreNotNarrowKeepTheirSites) {
-  const auto on_rim = [](double thickness) {  // in spacings; of what area asks for
+  // thickness in spacings; returns the expected share by area
+  const auto on_rim = [](double thickness) {
     const Surface surface = cuboid(24, 1.0, 1.0, 0.068 * thickness).surface();
     const Samples samples = sample(surface, 500);
     EXPECT_LE(samples.report.evenness.capacity_variation, 0.01) << thickness;

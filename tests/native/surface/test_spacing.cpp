@@ -24,7 +24,7 @@ TEST(CountAtSpacing, IsOfThePlacesWhereTheDensityIsLargest) {
   const double spacing = shape.surface().spacing(1000);
   for (const double largest : {1e-200, 1.0, 5.0, 1e200}) {
     std::vector<double> halves(shape.faces.size(), 0.0);
-    std::fill(halves.begin(), halves.begin() + 4, largest);  // of eight of one area
+    std::fill(halves.begin(), halves.begin() + 4, largest);  // of eight faces of equal area
     const Surface half = shape.surface().with_density({DensityAt::kFaces, halves});
     EXPECT_EQ(half.count(spacing), 500U);
     const std::vector<double> same(shape.vertices.size(), largest);
@@ -33,7 +33,7 @@ TEST(CountAtSpacing, IsOfThePlacesWhereTheDensityIsLargest) {
   }
 }
 
-TEST(CountAtSpacing, RefusesASpacingThatIsNone) {
+TEST(CountAtSpacing, RefusesAnInvalidSpacing) {
   const Surface surface = grid(2).surface();
   for (const double spacing : {0.0, -1.0, std::nan(""), HUGE_VAL, 1e-9, 1e-300})
     EXPECT_THROW(static_cast<void>(surface.count(spacing)), ArgumentError) << spacing;

@@ -55,7 +55,7 @@ TEST_P(SurfaceOf, OrdersFacesOneToOne) {
   }
 }
 
-/// Turning around an edge meets every half-edge on it exactly once.
+/// Walking around an edge meets every half-edge on it exactly once.
 TEST_P(SurfaceOf, WalksRingsAroundEdges) {
   const Surface surface = GetParam().surface();
   const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
@@ -107,7 +107,7 @@ TEST_P(SurfaceOf, ExchangesItsDensityAsIfBuiltAnew) {
   }
 }
 
-/// What is measured is shared where nothing has changed.
+/// Measurements are shared where nothing has changed.
 TEST(Surface, MeasuresAnewOnlyWhatHasChanged) {
   const Shape shape = icosphere(5);
   const Surface surface = shape.surface();
@@ -174,7 +174,7 @@ TEST(Surface, SpacesHexagonally) {
   EXPECT_NEAR(grid(2).surface().spacing(50), std::sqrt(2.0 / (std::numbers::sqrt3 * 50.0)), 1e-15);
 }
 
-/// Squares of its edges are more than there are numbers for.
+/// Squared lengths of its edges overflow.
 TEST(Surface, GivesUnitNormalsWhereAFaceWithoutAreaReachesFar) {
   const std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e155, 0, 0}};
   const std::vector<Face> faces{{0, 1, 2}, {0, 3, 1}};

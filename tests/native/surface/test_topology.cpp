@@ -59,7 +59,7 @@ TEST(Topology, OfOpenSurfaces) {
   expect_open(many_components(40), 40, 120, 40, 0);
 }
 
-/// A torus with a hole cut into it still has its handle.
+/// A torus with a hole still has its handle.
 TEST(Topology, OfATorusWithAHole) {
   Shape shape = torus(12, 8);
   shape.faces.pop_back();
@@ -128,7 +128,7 @@ TEST(Topology, OfRealMeshes) {
   EXPECT_TRUE(topology(shared_mesh("fandisk").surface()).closed);
 }
 
-/// Faces that lie on each other are not connected over their common edge (weld.hpp).
+/// Faces that lie on each other are not connected along their common edge (weld.hpp).
 TEST(Topology, IsNotClosedWhereFacesOfAFlatSoupStayApart) {
   const Shape flat =
       mapped(icosphere(0), [](const Vec3& p) { return Vec3(p.x(), p.y(), 1e-4 * p.z()); });
@@ -137,7 +137,7 @@ TEST(Topology, IsNotClosedWhereFacesOfAFlatSoupStayApart) {
   EXPECT_FALSE(found.closed);
 }
 
-/// That faces do not fit together is in the result; a library has nothing to print.
+/// The result reports inconsistent faces; a library does not print.
 TEST(Topology, PrintsNothing) {
   testing::internal::CaptureStderr();
   for (const Shape& shape : {fin(3), bow_tie(), duplicate_faces(), moebius(12)})

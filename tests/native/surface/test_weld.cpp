@@ -31,7 +31,7 @@ Shape moved(const Shape& shape, const Vec3& by) {
   return mapped(shape, [by](const Vec3& p) { return Vec3(p + by); });
 }
 
-/// What was there before the vertices were split, and what has come of it.
+/// A shape before and after its vertices were split.
 struct Split {
   Shape whole;
   Shape split;
@@ -54,7 +54,7 @@ TEST(Weld, EndsNearTheLargestNumber) {
   EXPECT_THROW((void)far.surface(), SurfaceError);
 }
 
-TEST(Weld, TakesAllForOnePlaceWithinAnyLargeNumber) {
+TEST(Weld, WeldsAllVerticesWithinAnInfiniteTolerance) {
   for (const double weld : {2.0, 1e300, std::numeric_limits<double>::max()})
     EXPECT_EQ(within(soup(grid(2)), weld).welded_faces(),
               within(soup(grid(2)), 10.0).welded_faces())
@@ -94,7 +94,8 @@ TEST(Weld, SamplesOfSplitVerticesAreThoseOfTheWholeMesh) {
   }
 }
 
-/// A frame's motion is measured over the vertices, of which a soup has more: nearly the same moves.
+/// A frame's motion is measured at the vertices. A soup has more of them, so moves are only nearly
+/// the same.
 TEST(Weld, TrackedSamplesOfSplitVerticesStayAsEven) {
   const Shape whole = box(6);
   Tracker expected(whole.surface(), sample(whole.surface(), 200));
@@ -125,7 +126,7 @@ TEST(Weld, NoneConnectsByIndicesAlone) {
   EXPECT_EQ(refined.surface.ordered().components(), by_index(split).ordered().components());
 }
 
-/// Each face that lies on another counts.
+/// Each face that lies on another one counts.
 Surface with_doubled(const Shape& shape) {
   return {shape.vertices, shape.faces, Density{}, {.merge_doubled = false}};
 }
@@ -214,7 +215,7 @@ TEST(Weld, RefinedFacesOfSplitVerticesMeet) {
   }
 }
 
-/// One face alone asks for a cut: its neighbors across split edges follow.
+/// Only one face is marked; its neighbors across split edges are cut with it.
 TEST(Weld, NeighborsAcrossASplitEdgeAreCutWithAFace) {
   const Shape shape = soup(box(2));
   std::vector<double> longest(shape.faces.size(), std::numeric_limits<double>::infinity());
@@ -224,7 +225,7 @@ TEST(Weld, NeighborsAcrossASplitEdgeAreCutWithAFace) {
   EXPECT_TRUE(topology(refined.surface).closed);
 }
 
-TEST(Weld, CurvatureDoesNotSeeSplitEdges) {
+TEST(Weld, CurvatureIgnoresSplitEdges) {
   const Shape whole = blob(3), split = soup(whole);
   const std::vector<double> expected = curvedness(whole.surface());
   const std::vector<double> found = curvedness(split.surface());

@@ -41,7 +41,7 @@ TEST(ClassParts, AreJoinedInTheOrderThatSamplesHadAndNewOnesComeLast) {
   const Surface surface = blob(2).surface();
   const Samples all = alternating(surface);
   std::vector<Samples> parts = {of_class(surface, all, 0), of_class(surface, all, 1)};
-  parts[0].ids[3] = 500;  // of one that is new
+  parts[0].ids[3] = 500;  // a new sample
   const Samples found = joined(surface, all, parts);
   std::vector<std::int32_t> expected = all.ids, classes = all.classes;
   const std::ptrdiff_t gone = 6;  // the fourth of class 0

@@ -21,7 +21,7 @@ Motion motion_of(std::span<const Vec3> before, std::span<const Vec3> after) {
   return motion_between(before, after, faces, all);
 }
 
-TEST(Motion, KnowsASurfacesVertices) {
+TEST(Motion, FitsTheVerticesOfASurface) {
   const Shape shape = blob(2);
   const Surface surface = shape.surface();
   std::vector<Vec3> vertices = shape.vertices;
@@ -49,8 +49,8 @@ TEST(Motion, MeasuresTheFarthestVertexByTheSize) {
   double spread = 0.0;
   for (const Vec3& p : shape.vertices) spread += (p - Vec3::Constant(0.5)).squaredNorm();
   const double size = std::sqrt(12.0 * spread / static_cast<double>(shape.vertices.size()));
-  EXPECT_NEAR(size, std::sqrt(5.0), 0.2);              // of a cube's surface
-  EXPECT_NEAR(motion.extent, 0.1 / size, 0.05 * 0.1);  // the fit takes its share
+  EXPECT_NEAR(size, std::sqrt(5.0), 0.2);              // size of a cube's surface
+  EXPECT_NEAR(motion.extent, 0.1 / size, 0.05 * 0.1);  // the fitted rigid motion absorbs a part
 }
 
 TEST(Motion, IsTheSameHoweverTheBodyIsTurned) {

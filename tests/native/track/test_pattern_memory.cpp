@@ -10,7 +10,7 @@
 namespace dapple::test {
 namespace {
 
-/// Sites on the unit square, where they were on the first frame and where they are now.
+/// Sites on the unit square: their positions on the first frame and now.
 struct Fixture {
   explicit Fixture(const std::function<Vec3(const Vec3&)>& map) {
     const Surface flat = grid(8).surface();
@@ -23,7 +23,7 @@ struct Fixture {
         domain.cells({samples.positions, samples.faces, samples.barycentric}, nullptr));
   }
 
-  /// \param before the sites on the last frame
+  /// \param before the sites on the previous frame
   [[nodiscard]] Vectors recall(const Vectors& before, double share = 0.5) const {
     return memory->recall({first, normals}, before, {now, normals}, share);
   }
@@ -45,13 +45,13 @@ TEST(PatternMemory, HasNothingToUndoInAnAffineImage) {
   EXPECT_LT(longest(f.recall(f.first)), 1e-13);
 }
 
-TEST(PatternMemory, LeadsOneStrayBack) {
+TEST(PatternMemory, RestoresASingleStray) {
   Fixture f(stretched);
   const std::size_t stray = 100;
   const Vec3 away(0.01, 0.006, 0.0);
   f.now[stray] += away;
   const Vectors moves = f.recall(f.first);
-  EXPECT_LT((moves[stray] + 0.5 * away).norm(), 0.1 * away.norm());  // its share of the way
+  EXPECT_LT((moves[stray] + 0.5 * away).norm(), 0.1 * away.norm());  // the expected part of the way
   EXPECT_EQ(longest(moves), moves[stray].norm());
 }
 
@@ -61,9 +61,9 @@ TEST(PatternMemory, DoesNotMoveWhatDoesNotDeform) {
   EXPECT_EQ(longest(f.recall(f.now)), 0.0);
 }
 
-TEST(PatternMemory, LetsARebuiltPatternBe) {
+TEST(PatternMemory, LeavesARebuiltPattern) {
   Fixture f(stretched);
-  std::vector<Vec3> shuffled = f.now;  // 200: no site keeps its place
+  std::vector<Vec3> shuffled = f.now;  // 200 sites, none at its old place
   for (std::size_t k = 0; k < shuffled.size(); ++k)
     shuffled[k] = f.now[(73 * k + 50) % shuffled.size()];
   f.now = shuffled;

@@ -42,7 +42,7 @@ TEST(Population, KeepsTheDensity) {
   std::size_t most = 0;
   for (int frame = 1; frame <= kPeriod; ++frame) {
     const Samples& samples = population.advance(frame_of(shape, frame));
-    double there = 0.0;  // those that do not vanish
+    double there = 0.0;  // samples that do not vanish
     const std::size_t staying = samples.report.count;
     for (std::size_t k = 0; k < staying; ++k) there += 1.0;
     EXPECT_NEAR(there, density * population.surface().capacity(), 1.0) << "frame " << frame;
@@ -52,7 +52,8 @@ TEST(Population, KeepsTheDensity) {
   EXPECT_GT(most, kCount + 20);
 }
 
-/// A hundred times as many on a cap: where all grows alike, all gain their share.
+/// The density is 100 times as high on a cap. Where the surface grows uniformly, all regions gain
+/// samples in proportion.
 TEST(Population, KeepsTheSharesUnderADensity) {
   const Shape shape =
       with_face_density(icosphere(4), [](const Vec3& p) { return p.z() > 0.875 ? 100.0 : 1.0; });
@@ -74,7 +75,7 @@ TEST(Population, KeepsTheSharesUnderADensity) {
   }
 }
 
-/// The samples of one class that stay, as samples of their own.
+/// The samples of one class that stay, as separate samples.
 Samples staying(const Population& population, std::int32_t one) {
   const Samples& all = population.samples();
   std::vector<std::int32_t> faces;
@@ -116,7 +117,7 @@ TEST(Population, KeepsTheDensityOfEachClass) {
   EXPECT_GE(least, 0.35);
 }
 
-/// A class that is only above grows there and not below.
+/// A class with density only in the upper half grows there and not below.
 TEST(Population, KeepsTheDensityOfAClassWithADensityOfItsOwn) {
   const Shape shape =
       with_face_density(icosphere(3), [](const Vec3& p) { return p.z() > 0.0 ? 1.0 : 0.0; });

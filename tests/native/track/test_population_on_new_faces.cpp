@@ -27,7 +27,7 @@ PopulationOptions options_of(int threads = 0) {
   return options;
 }
 
-/// What no frame may break.
+/// Check the rules that hold in every frame.
 class Follower {
  public:
   Follower(const Surface& first, std::size_t count)
@@ -41,7 +41,7 @@ class Follower {
     const Report& report = samples.report;
     const double change = std::abs(next.area() / area_ - 1.0);
     area_ = next.area();
-    // Where the number follows the area, it may round up in one frame what many have gathered.
+    // If the count follows the area, fractions of several frames can be rounded up in one of them.
     EXPECT_LE(static_cast<double>(report.births + report.deaths), (change + 0.005) * before + 1.0);
     EXPECT_LE(report.slide_max, 0.45 + 1e-9);
     const double wanted = density() * area_;
@@ -100,13 +100,13 @@ Follower followed(const Body& body, int frames, std::size_t count) {
 }
 
 TEST(PopulationOnNewFaces, FollowsBallsThatMergeAndSplit) {
-  // Rounding decides which samples are born, so one run says little of the last frame.
+  // Rounding decides which samples are born, so a single run says little about the last frame.
   std::vector<double> last;
   for (const std::size_t count : {600u, 602u, 604u}) {
     const Follower found = followed([](int frame) { return metaballs(frame, 24); }, 24, count);
     EXPECT_GT(found.births, 20u);
     EXPECT_GT(found.deaths, 20u);
-    // Where they part, a 20th of the surface is new in one frame.
+    // When the balls separate, a 20th of the surface is new in one frame.
     EXPECT_GE(found.alpha_min, 0.3);
     EXPECT_LE(found.variation, 0.08);
     last.push_back(found.samples().report.evenness.capacity_variation);
@@ -198,7 +198,7 @@ TEST(PopulationOnNewFaces, VanishesWithItsSurfaceAndComesWithIt) {
   const Samples& alone = population.advance(ball.surface());
   EXPECT_NEAR(static_cast<double>(alone.report.count), 400.0, 1.0);
   EXPECT_GE(alone.report.deaths, 100u);
-  EXPECT_EQ(on_the_other(alone, 0.0), 0u);  // nothing is left for them to fade on
+  EXPECT_EQ(on_the_other(alone, 0.0), 0u);  // no surface is left for them to fade on
   const Samples& again = population.advance(both);
   EXPECT_NEAR(static_cast<double>(again.report.count), 500.0, 1.0);
   EXPECT_NEAR(static_cast<double>(on_the_other(again, 0.0)), 100.0, 1.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A population that goes on from a frame as if it had never stopped.
+// A population resumed from a frame continues as if it had never stopped.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 constexpr int kFade = 4;
 constexpr int kFrames = 9;
 
-/// A population on its first frame, and the shape of the others.
+/// A population on its first frame, and the shapes of later frames.
 struct Body {
   std::string name;
   std::function<Population()> begin;
@@ -37,7 +37,7 @@ Population one_class(const Surface& surface) {
   return {surface, sample(surface, 150), {.fade = kFade}};
 }
 
-/// One class that is only above, and one that is everywhere.
+/// One class with density only above, and one with density everywhere.
 Population two_classes(const Surface& surface) {
   std::vector<double> above;
   for (const Vec3& p : surface.vertices()) above.push_back(p.z() > 0.0 ? 1.0 : 0.1);
@@ -47,7 +47,7 @@ Population two_classes(const Surface& surface) {
       surface, sample_classes(surface, classes), {.fade = kFade, .tracker = {.classes = classes}}};
 }
 
-/// Its faces change in some frames only.
+/// The faces change in some frames only.
 Shape tearing(int frame) {
   return mapped(torn_cloth(frame, 12), [frame](const Vec3& p) {
     return Vec3((1.0 + 0.03 * frame) * p.x(), p.y(), p.z());
@@ -92,7 +92,7 @@ TEST_P(StateOf, GoesOnWithTheSameBytes) {
   EXPECT_TRUE(changed) << "nobody came or went";
 }
 
-TEST(PopulationState, IsAllThatAPopulationKnows) {
+TEST(PopulationState, ContainsTheWholeState) {
   const Body body = bodies().front();
   Population whole = body.begin(), resumed = body.begin();
   for (int frame = 1; frame < kFrames; ++frame) whole.advance(body.frame(frame).surface());
@@ -108,9 +108,9 @@ TEST(PopulationState, IsAllThatAPopulationKnows) {
   EXPECT_EQ(a.settled, b.settled);
 }
 
-/// Samples for which a state asks come in the next frame, though nothing moves.
-TEST(PopulationState, MayAskForMoreThanThereAre) {
-  for (const std::size_t which : {0u, 1u}) {  // of one class, and of two
+/// If a state demands more samples, they are added in the next frame even if nothing moves.
+TEST(PopulationState, MayDemandMoreSamples) {
+  for (const std::size_t which : {0u, 1u}) {  // with one class and with two
     const Body body = bodies()[which];
     Population population = body.begin();
     const std::size_t before = population.samples().size();

@@ -28,7 +28,7 @@ Tracker tracker_of(const Shape& shape, std::size_t count = kCount, TrackerOption
   return Tracker(surface, sample(surface, count), options);
 }
 
-/// Everything but the time taken.
+/// Compare everything except times.
 void expect_untouched(const Tracker& tracker, const Samples& before,
                       const std::vector<Vec3>& vertices) {
   EXPECT_TRUE(same_bytes(tracker.samples(), before));
@@ -53,7 +53,8 @@ TEST_P(TrackerOn, ReturnsTheSameBytesForNoMotion) {
   }
 }
 
-/// As on the new faces of a bake: a sample without a cell has no gradient that leads it away.
+/// This happens on the new faces of a bake: a sample without a cell has no gradient that moves it
+/// away.
 TEST(Tracker, LeadsSamplesAwayFromWhereTheDensityIsZero) {
   const Shape shape = icosphere(3);
   const Surface surface = shape.surface();
@@ -66,7 +67,7 @@ TEST(Tracker, LeadsSamplesAwayFromWhereTheDensityIsZero) {
     EXPECT_GT(density[static_cast<std::size_t>(face)], 0.0);
 }
 
-/// To a frame, and on it until nothing is left to be caught up.
+/// Advance to a frame and repeat it until the tracker has settled.
 std::vector<Vec3> settle(Tracker& tracker, const Shape& shape) {
   const std::vector<Vec3> vertices = deformed(shape.vertices, 0.3);
   for (int frame = 0; frame < 30 && !(frame > 0 && tracker.settled()); ++frame)
@@ -145,7 +146,7 @@ TEST(Tracker, KeepsBarycentricsUnderRigidMotion) {
   }
 }
 
-/// It knows no restoration: it ends where samples are as even as on the first frame.
+/// The line search has no restoration: it ends when samples are as even as on the first frame.
 TEST(Tracker, ALineSearchEndsWhereSamplesAreAsEvenAsAtFirst) {
   const Shape shape = body();
   Tracker tracker = tracker_of(shape, kCount, {.optimizer = {.method = Method::kLineSearch}});
@@ -193,8 +194,7 @@ TEST(Tracker, KeepsIdsAndClasses) {
   }
 }
 
-/// Every sample moves less than half a spacing relative to where the surface carried it, on every
-/// frame.
+/// On every frame every sample moves less than half a spacing relative to the surface.
 TEST(Tracker, KeepsEverySampleNearItsPlaceOnAGentleDeformation) {
   const Shape shape = body();
   Tracker tracker = tracker_of(shape);
@@ -222,7 +222,8 @@ TEST(Tracker, KeepsEverySampleNearItsPlaceOnAGentleDeformation) {
   }
 }
 
-/// However violent the frame: evenness is caught up over the next ones instead of by a jump.
+/// However large the motion of a frame, evenness is restored over the next frames instead of by a
+/// jump.
 TEST(Tracker, KeepsEverySampleNearItsPlaceOnViolentFrames) {
   for (const Shape& shape :
        {blob(4), body(), with_density(torus(40, 20), [](const Vec3& p) { return 1.5 + p.x(); }),
@@ -241,8 +242,8 @@ TEST(Tracker, KeepsEverySampleNearItsPlaceOnViolentFrames) {
   }
 }
 
-// On motion that needs no slide above the limit: after a violent frame evenness may take more than
-// one.
+// The motion needs no slide above the limit; after a large motion evenness may take more than one
+// frame.
 TEST(Tracker, StaysAsEvenAsTheFirstFrame) {
   const Shape shape = body();
   Tracker tracker = tracker_of(shape);
@@ -356,7 +357,7 @@ TEST(Tracker, SplitsAFrameOfFarMotion) {
   Tracker split = tracker_of(shape);
   const Samples& samples = split.advance(far);
   EXPECT_GE(samples.report.parts, 3);
-  EXPECT_LE(samples.report.slide_max, 0.45 + 1e-9);  // of the whole frame
+  EXPECT_LE(samples.report.slide_max, 0.45 + 1e-9);  // for the whole frame
   check(split.surface(), samples);
 }
 
@@ -376,7 +377,7 @@ TEST(Tracker, DoesNotSplitMovingAsAWhole) {
   EXPECT_EQ(tracker.advance(mapped(shape, move).vertices).report.parts, 1);
 }
 
-/// A body whose middle becomes three times as long and short again.
+/// A body whose middle is stretched to three times its length and back.
 std::vector<Vec3> pull(const Shape& shape, int frame, int period) {
   const double share = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * frame / period);
   return mapped(shape,
@@ -386,7 +387,7 @@ std::vector<Vec3> pull(const Shape& shape, int frame, int period) {
       .vertices;
 }
 
-/// Mean distance from the start after some loops, in spacings.
+/// The mean distance from the start after several loops, in spacings.
 double hysteresis(double pattern_strength) {
   const Shape shape = blob(4);
   Tracker tracker = tracker_of(shape, kCount, {.pattern_strength = pattern_strength});
@@ -447,7 +448,7 @@ TEST(Tracker, GoesOnFromAStoredFrameWithTheSameBytes) {
   EXPECT_TRUE(same_bytes(resumed.samples(), whole.samples()));
 }
 
-/// A plate whose density is 0 in a disc that comes from the left.
+/// A plate with a disc without density that enters from the left.
 Surface plate_with_hole(const Shape& plate, double x) {
   std::vector<double> density;
   for (const Vec3& p : plate.vertices)
@@ -559,7 +560,7 @@ TEST(Tracker, RefusesBadFramesAndIsUnchanged) {
   expect_untouched(tracker, before, vertices);
 }
 
-/// A needle has no area, however long it is, but a sample on it has a distance to the others.
+/// A needle has no area, however long it is, but samples on it may be far from the others.
 TEST(Tracker, RefusesAFrameThatTakesASampleTooFarForSquaresOfDistances) {
   Shape shape = blob(3);
   const auto last = static_cast<std::int32_t>(shape.vertices.size());

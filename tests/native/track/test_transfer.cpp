@@ -31,7 +31,7 @@ TEST(Transfer, FindsTheNearestPlacesOfAnotherMeshOfTheSameShape) {
     EXPECT_LT((found.sites.positions[k] - nearest.positions[k]).norm(), 0.002) << k;
 }
 
-/// By two spacings, so that the nearest places of those at its sides are not where they go.
+/// The limb moves by two spacings, so the closest points of samples at its sides are wrong.
 TEST(Transfer, MovesAlongWithALimb) {
   const auto limb = [](int around, double shift) {
     return mapped(torus(around, 24), [&](const Vec3& p) { return Vec3(p + Vec3(0, 0, shift)); })
@@ -52,8 +52,8 @@ TEST(Transfer, MovesAlongWithALimb) {
             0.6 * error(Projector(next).project(samples.positions).positions));
 }
 
-/// A plate a tenth of a spacing thick that moves by five times its thickness: nearest is the other
-/// side.
+/// A plate a tenth of a spacing thick moves by five times its thickness, so the closest point is on
+/// the other side.
 TEST(Transfer, StaysOnItsSideOfAThinPlate) {
   const auto plate = [](int cells, double height) {
     return mapped(box(cells),
@@ -87,7 +87,7 @@ TEST(Transfer, LosesWhatHasNoSurfaceWithinReach) {
   EXPECT_EQ(found.which, left);
 }
 
-/// By five spacings.
+/// The component moves by five spacings.
 TEST(Transfer, FollowsAComponentThatMovesFartherThanTheReach) {
   const Shape ball = icosphere(4);
   const Surface before = ball.surface();

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kCount = 1000;
 
-/// All samples of a square, with those of its left third moved into its middle third.
+/// Samples of a square, with those of its left third moved into its middle third.
 Transferred crowded(const Surface& surface) {
   Transferred there{{}, dapple::sites_of(sample(surface, kCount))};
   there.which.resize(kCount);
@@ -41,7 +41,7 @@ Turnover turned_over(const Surface& surface, const Transferred& there, std::size
   return turn_over(surface, SurfaceDomain(surface), there, kCount, count, 0, nullptr);
 }
 
-TEST(Turnover, ChangesFiveInAThousandThoughMoreAreCrowded) {
+TEST(Turnover, ChangesAtMostFivePerThousand) {
   const Surface surface = grid(20).surface();
   const Transferred there = crowded(surface);
   const auto [births, deaths] = change_of(turned_over(surface, there, kCount));
@@ -49,7 +49,7 @@ TEST(Turnover, ChangesFiveInAThousandThoughMoreAreCrowded) {
   EXPECT_EQ(deaths, 2u);
 }
 
-TEST(Turnover, PutsThoseThatAreBornIntoTheVoid) {
+TEST(Turnover, InsertsSamplesInGaps) {
   const Surface surface = grid(20).surface();
   const Transferred there = crowded(surface);
   const Turnover found = turned_over(surface, there, kCount + 100);
@@ -63,7 +63,7 @@ TEST(Turnover, PutsThoseThatAreBornIntoTheVoid) {
   }
 }
 
-TEST(Turnover, TakesThoseThatDieOutOfTheCrowd) {
+TEST(Turnover, RemovesSamplesFromDenseRegions) {
   const Surface surface = grid(20).surface();
   const Transferred there = crowded(surface);
   const Turnover found = turned_over(surface, there, kCount - 100);
@@ -89,7 +89,7 @@ TEST(Turnover, LeavesEvenSamplesAlone) {
   EXPECT_TRUE(same_bytes(found.sites.positions, there.sites.positions));
 }
 
-TEST(Turnover, BeginsAnewWhereNothingIsLeft) {
+TEST(Turnover, RestartsFromNoSamples) {
   const Surface surface = grid(4).surface();
   EXPECT_EQ(change_of(turned_over(surface, {}, 50)).births, 50u);
   EXPECT_TRUE(turned_over(surface, crowded(surface), 0).origin.empty());

@@ -22,7 +22,7 @@ WindowOptions with_classes(std::vector<SampleClass> classes, WindowOptions optio
   return options;
 }
 
-/// A loop: frames 1 .. kPeriod - 1, the next one would be the shape itself.
+/// A loop of frames 1 .. kPeriod - 1; the next frame would equal the shape.
 std::vector<std::vector<Vec3>> loop(const Shape& shape) {
   std::vector<std::vector<Vec3>> frames;
   for (int frame = 1; frame < kPeriod; ++frame) {
@@ -39,8 +39,9 @@ std::vector<std::vector<Vec3>> loop(const Shape& shape) {
 /// Mean distances, in spacings, from where the surface carries the samples of the frame before, and
 /// of their changes from frame to frame.
 struct Smoothness {
-  double seam = 0.0;   // from the last frame to the first
-  double first = 0.0;  // from the first to the second: as far, the motion being symmetric
+  double seam = 0.0;  // from the last frame to the first
+  // from the first frame to the second: the same distance, because the motion is symmetric
+  double first = 0.0;
   double slide = 0.0;  // the mean over all frames
   double jerk = 0.0;
 };
@@ -152,7 +153,7 @@ Samples of_class(const Surface& surface, const Samples& samples, std::int32_t on
   return bind_samples(surface, faces, barycentric);
 }
 
-/// The worst variation of the areas of one class by itself, over all frames after the first.
+/// The largest variation of the areas of one class, over all frames after the first.
 double worst_of_class(const Surface& first, const std::vector<std::vector<Vec3>>& frames,
                       const std::vector<Samples>& samples, std::int32_t one) {
   double worst = 0.0;

@@ -26,7 +26,7 @@ using Frames = std::vector<std::vector<Vec3>>;
 
 constexpr std::size_t kPiece = 16, kOverlap = 6;
 
-/// A wave that goes over the body, and begins anew every 24 frames.
+/// A wave over the body with a period of 24 frames.
 Frames motion(const Shape& shape, int count) {
   Frames frames;
   for (int frame = 1; frame <= count; ++frame) {
@@ -39,7 +39,7 @@ Frames motion(const Shape& shape, int count) {
   return frames;
 }
 
-/// Samples of all frames after the first, piece by piece.
+/// The samples of all frames after the first, piece by piece.
 std::vector<Samples> in_pieces(WindowTracker& tracker, const Frames& frames,
                                std::size_t piece = kPiece, std::size_t overlap = kOverlap) {
   std::vector<Samples> result;
@@ -131,7 +131,7 @@ TEST(WindowTracker, ClosesALoopWithTheLastPiece) {
   const Shape shape = blob(3);
   const Surface surface = shape.surface();
   const Samples start = sample(surface, 100);
-  Frames frames = motion(shape, 47);  // the next one would be the first
+  Frames frames = motion(shape, 47);  // the next frame would equal the first
   const auto way_back = [&](bool closed) {
     WindowTracker tracker(surface, start, {.closed = closed});
     const Samples last = in_pieces(tracker, frames).back();

@@ -18,8 +18,8 @@ Evenness evenness(const Surface& surface, const Sites& sites) {
   return measure_evenness(restricted_voronoi(surface, sites, Cells::kEuclidean));
 }
 
-/// A sheet as wide and high as whole hexagons in offset rows, so that the mean cell is a hexagon's
-/// area.
+/// A sheet that fits whole hexagons in offset rows, so that the mean cell has the area of a
+/// hexagon.
 TEST(Analysis, OfHexagonsIsOne) {
   const int columns = 12, rows = 10;
   const double height = rows * std::numbers::sqrt3 / 2.0;
@@ -85,8 +85,8 @@ TEST(BondOrder, IsTheSameWhateverTheDirection) {
   EXPECT_NEAR(order_of(mapped(shape, turn), turned), flat, 1e-9);
 }
 
-/// 0.360 by a planar Delaunay triangulation (Qhull) of 50,000 points; here of 10,000 sites, each
-/// with a standard deviation of 0.17.
+/// The expected value 0.360 comes from a planar Delaunay triangulation (Qhull) of 50,000 points;
+/// here there are 10,000 sites, each with a standard deviation of 0.17.
 TEST(BondOrder, OfWhiteNoiseIsThatOfThePlane) {
   const Shape shape = icosphere(5);
   Random random(6);
@@ -107,7 +107,7 @@ TEST(BondOrder, IsReported) {
   EXPECT_NEAR(again.energy, samples.report.energy, 1e-9);
 }
 
-/// A face without area has no normal, and its sites no plane.
+/// A face without area has no normal, and its sites have no tangent plane.
 TEST(BondOrder, LeavesOutSitesWithoutANormal) {
   const Surface surface = blob(3).surface();
   const Samples samples = sample(surface, 100);
@@ -127,16 +127,16 @@ TEST(BondOrder, OfNoneAndFewIsZero) {
     EXPECT_EQ(order_of(shape, random_sites(shape, count, random)), 0.0);
 }
 
-TEST(BondOrder, IsFiniteForTroubledSites) {
+TEST(BondOrder, IsFiniteForDegenerateSites) {
   Random random(13);
   for (const Shape& shape : all_shapes()) {
-    const double order = order_of(shape, troubled_sites(shape, 60, random));
+    const double order = order_of(shape, degenerate_sites(shape, 60, random));
     EXPECT_GE(order, 0.0) << shape.name;
     EXPECT_LE(order, 1.0 + 1e-12) << shape.name;
   }
 }
 
-/// What the pieces of the cells tell: those with an edge on a border of the surface.
+/// Compare with the pieces of cells that have an edge on a border of the surface.
 std::vector<bool> with_a_piece_on_the_border(const Surface& surface, const Sites& sites,
                                              Cells cells) {
   std::vector<bool> result(sites.size(), false);
@@ -165,7 +165,7 @@ TEST(CellsOnBorder, AreThoseWithAPieceThere) {
     }
 }
 
-/// In the plane the nearest site is always one whose cell touches.
+/// In the plane the cell of the nearest site is always adjacent.
 TEST(Analysis, AgreesWithBruteForceInThePlane) {
   const Shape shape = grid(5);
   const Surface surface = shape.surface();
@@ -201,7 +201,7 @@ TEST(Analysis, IsTheSameForAnyConstantDensity) {
   EXPECT_NEAR(plain.capacity_variation, dense.capacity_variation, 1e-12);
 }
 
-/// Samples that follow a density are as even, each against its own spacing, as samples of a
+/// Relative to their local spacing, samples of a varying density are as even as samples of a
 /// constant one.
 TEST(Analysis, MeasuresAgainstTheLocalSpacing) {
   const Surface surface =

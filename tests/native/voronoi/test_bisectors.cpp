@@ -10,10 +10,10 @@
 namespace dapple::test {
 namespace {
 
-/// All that floods of the cells of some sites come to know.
+/// The bisectors and faces that the floods of all cells visit.
 struct Known {
-  std::size_t most = 0;   // bisectors of a cell
-  std::size_t faces = 0;  // with a part of a cell, of all cells
+  std::size_t most = 0;   // of one cell
+  std::size_t faces = 0;  // with a part of a cell, summed over all cells
 };
 
 Known known_by_floods(const Surface& surface, const OrderedSites& sites) {
@@ -29,9 +29,9 @@ Known known_by_floods(const Surface& surface, const OrderedSites& sites) {
   return result;
 }
 
-/// All sites on a tenth of a sphere: the cells at its rim reach around to the other side, and yet
-/// some dozens cut them.
-TEST(Bisectors, OfACellThatGoesFarAreFew) {
+/// All sites lie on a tenth of a sphere: cells at the rim extend to the other side, but only some
+/// dozens of sites cut them.
+TEST(Bisectors, OfALongCellAreFew) {
   const Shape shape = with_face_density(icosphere(4), [](const Vec3& x) { return x.z() > 0.8; });
   const Surface surface = shape.surface();
   const OrderedSites sites(surface, poisson_start(surface, 2000, 1));
@@ -40,7 +40,8 @@ TEST(Bisectors, OfACellThatGoesFarAreFew) {
   EXPECT_GE(known.faces, shape.faces.size());
 }
 
-/// Near the middle of a sphere, or beside it, where all others are as far from a face as the site.
+/// The sites lie near the center of a sphere or outside it, where all sites have similar distances
+/// to a face.
 TEST(Bisectors, OfSitesOffTheSurfaceAreFew) {
   const Surface surface = icosphere(4).surface();
   for (const double radius : {1e-3, 0.3, 5.0}) {
@@ -50,7 +51,7 @@ TEST(Bisectors, OfSitesOffTheSurfaceAreFew) {
   }
 }
 
-/// A speck without a site, inside a body and far beside it.
+/// A small component without a site, inside a body or far beside it.
 TEST(Bisectors, OfAFarFaceAreThoseOfItsOwners) {
   for (const Vec3& place : {Vec3(0.1, 0.2, 0), Vec3(3, 1, 0), Vec3(1e6, 0, 0)}) {
     const Shape speck =

@@ -20,7 +20,8 @@ TEST(EightBoxes, AreComparedAlikeByEveryInstructionSet) {
     const Vec3 corner(draw(), draw(), draw());
     const Box query = {corner, corner + Vec3::Constant(0.1 * (round % 2))};
     const std::array<double, 8> distances = squared_distances(low, high, query);
-    const double limit = distances[static_cast<std::size_t>(round) % 8];  // the last bit decides
+    // the limit equals a distance, so the last bit matters
+    const double limit = distances[static_cast<std::size_t>(round) % 8];
     for (const InstructionSet set : instruction_sets()) {
       const unsigned bits = compare_boxes(set)(low, high, query, limit);
       for (std::size_t k = 0; k < 8; ++k)
@@ -32,7 +33,7 @@ TEST(EightBoxes, AreComparedAlikeByEveryInstructionSet) {
 TEST(EightBoxes, AreAsFarAsTheirNearestPoints) {
   Eight low, high;
   for (std::size_t k = 0; k < 8; ++k)
-    for (std::size_t axis = 0; axis < 3; ++axis) {  // unit cubes, each farther along an axis or two
+    for (std::size_t axis = 0; axis < 3; ++axis) {  // unit cubes, translated along one axis or two
       low[axis][k] = axis == k % 3 || axis == k % 2 ? static_cast<double>(k) : 0.0;
       high[axis][k] = low[axis][k] + 1.0;
     }

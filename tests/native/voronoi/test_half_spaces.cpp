@@ -23,7 +23,7 @@ TEST(HalfSpaces, AreComparedAlikeByEveryInstructionSet) {
     std::vector<double> offsets(kCount);
     for (std::size_t k = 0; k < kCount; ++k) {
       normals[k] = random_vector(random);
-      // Through a corner: the last bit of a sum decides.
+      // The plane passes through a corner: the last bit of a sum matters.
       offsets[k] = corners[k % 3].dot(normals[k]);
     }
     const double floor = round % 2 == 0 ? 0.0 : -1e-17;

@@ -9,7 +9,7 @@
 namespace dapple::test {
 namespace {
 
-/// All other sites, the nearest first.
+/// All other sites, ordered by distance.
 std::vector<Rival> others(const OrderedSites& sites, std::int32_t site) {
   std::vector<Rival> result;
   for (std::int32_t other = 0; other < static_cast<std::int32_t>(sites.size()); ++other)
@@ -20,13 +20,13 @@ std::vector<Rival> others(const OrderedSites& sites, std::int32_t site) {
   return result;
 }
 
-/// What is found is the beginning of all others, as far as it goes.
+/// Check that the sites found so far are the nearest ones.
 void expect_nearest(std::span<const Rival> found, const std::vector<Rival>& all) {
   ASSERT_LE(found.size(), all.size());
   for (std::size_t k = 0; k < found.size(); ++k) EXPECT_EQ(found[k].site, all[k].site);
 }
 
-/// A crowd of sites on large faces, and a steep density: neighborhoods of all sizes.
+/// A dense group of sites on large faces, and a steep density, give neighborhoods of all sizes.
 class NearSitesOn : public testing::TestWithParam<Shape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, NearSitesOn,
                          testing::Values(box(1), blob(3),
@@ -65,8 +65,8 @@ TEST_P(NearSitesOn, AreTheNearestHoweverFarOneReaches) {
   }
 }
 
-/// What was needed before is about what is looked for next, neither all sites nor ever more.
-TEST_P(NearSitesOn, AreNotManyMoreThanAreNeeded) {
+/// The search starts with about as many sites as earlier cells needed.
+TEST_P(NearSitesOn, AreFewMoreThanNeeded) {
   constexpr std::size_t kNeeded = 20, kSites = 2000;
   const Surface surface = GetParam().surface();
   const OrderedSites sites(surface, poisson_start(surface, kSites, 3));
@@ -83,7 +83,7 @@ TEST_P(NearSitesOn, AreNotManyMoreThanAreNeeded) {
   EXPECT_LT(extended, kSites / 4);
 }
 
-TEST_P(NearSitesOn, AreAllInTheEnd) {
+TEST_P(NearSitesOn, FindAllSitesEventually) {
   constexpr std::size_t kSites = NearSites::kMost;
   const Surface surface = GetParam().surface();
   const OrderedSites sites(surface, poisson_start(surface, kSites, 3));
@@ -99,7 +99,7 @@ TEST_P(NearSitesOn, AreAllInTheEnd) {
   EXPECT_EQ(before, kSites - 1);
 }
 
-/// A body, and far specks with a site each among those of the body.
+/// A body and small far components, each with a site numbered among those of the body.
 struct Scattered {
   Surface surface;
   OrderedSites sites;
@@ -122,8 +122,8 @@ Scattered with_far_specks() {
   return {surface, OrderedSites(surface, sites)};
 }
 
-/// One that is alone where it is looks far; those after it do not.
-TEST(NearSites, DoNotLookFarBecauseAnotherDid) {
+/// An isolated site searches far; the sites after it do not.
+TEST(NearSites, DoNotInheritALargeReach) {
   const Scattered all = with_far_specks();
   const SiteIndex index(all.sites, nullptr);
   NearSites near(all.surface, all.sites, index);
@@ -137,8 +137,8 @@ TEST(NearSites, DoNotLookFarBecauseAnotherDid) {
   EXPECT_LT(within, 40 * all.sites.size());
 }
 
-/// Far from all others, a site finds as many as anybody asks for in a few steps.
-TEST(NearSites, OfOneThatIsAloneAreFoundInFewSteps) {
+/// An isolated site finds any number of neighbors in a few steps.
+TEST(NearSites, OfAnIsolatedSiteAreFoundInFewSteps) {
   const Scattered all = with_far_specks();
   const SiteIndex index(all.sites, nullptr);
   NearSites near(all.surface, all.sites, index);

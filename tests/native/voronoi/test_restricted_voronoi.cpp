@@ -28,7 +28,7 @@ double largest_flux(const BruteCell& cell) {
   return result;
 }
 
-/// Every integral of every cell to 1e-9 of the whole.
+/// Check every integral of every cell to 1e-9 of the whole.
 void expect_same_cells(const Shape& shape, const Surface& surface, const Sites& sites) {
   const std::vector<BruteCell> expected = brute_force_cells(shape, sites.positions);
   const RestrictedVoronoi found = restricted_voronoi(surface, sites, Cells::kEuclidean);
@@ -45,7 +45,8 @@ void expect_same_cells(const Shape& shape, const Surface& surface, const Sites& 
   }
 }
 
-/// The flux across each boundary to 1e-9 of the largest, and no boundary too many or missing.
+/// Check the flux across each boundary to 1e-9 of the largest, and that no boundary is missing or
+/// superfluous.
 void expect_same_boundaries(const Shape& shape, const Surface& surface, const Sites& sites) {
   const std::vector<BruteCell> expected = brute_force_cells(shape, sites.positions);
   const RestrictedVoronoi found = restricted_voronoi(surface, sites, Cells::kEuclidean);
@@ -77,7 +78,7 @@ class CellsOf : public testing::TestWithParam<Shape> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, CellsOf, testing::ValuesIn(all_shapes()),
                          shape_name<testing::TestParamInfo<Shape>>);
 
-TEST_P(CellsOf, ShareOutTheSurface) {
+TEST_P(CellsOf, PartitionTheSurface) {
   const Surface surface = GetParam().surface();
   Random random(11);
   const std::size_t more_than_faces = 2 * GetParam().faces.size() + 100;
@@ -86,18 +87,18 @@ TEST_P(CellsOf, ShareOutTheSurface) {
     check_cells(surface, random_sites(GetParam(), count, random));
 }
 
-TEST_P(CellsOf, ShareOutTheSurfaceAmongTroubledSites) {
+TEST_P(CellsOf, PartitionTheSurfaceAmongDegenerateSites) {
   const Surface surface = GetParam().surface();
   Random random(12);
   for (const std::size_t count : {2u, 5u, 30u, 200u})
-    check_cells(surface, troubled_sites(GetParam(), count, random));
+    check_cells(surface, degenerate_sites(GetParam(), count, random));
 }
 
 TEST_P(CellsOf, AgreeWithBruteForce) {
   const Surface surface = GetParam().surface();
   Random random(13);
   expect_same_cells(GetParam(), surface, random_sites(GetParam(), 25, random));
-  expect_same_cells(GetParam(), surface, troubled_sites(GetParam(), 25, random));
+  expect_same_cells(GetParam(), surface, degenerate_sites(GetParam(), 25, random));
 }
 
 class CellsOfRealMesh : public testing::TestWithParam<std::string> {};
@@ -105,7 +106,7 @@ class CellsOfRealMesh : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Meshes, CellsOfRealMesh, testing::ValuesIn(shared_mesh_names()),
                          [](const auto& mesh) { return mesh.param; });
 
-TEST_P(CellsOfRealMesh, ShareOutTheSurface) {
+TEST_P(CellsOfRealMesh, PartitionTheSurface) {
   DAPPLE_NEEDS_MESH(GetParam());
   const Shape shape = shared_mesh(GetParam());
   const Surface surface = shape.surface();
@@ -114,7 +115,7 @@ TEST_P(CellsOfRealMesh, ShareOutTheSurface) {
     check_cells(surface, random_sites(shape, count, random));
 }
 
-TEST_P(CellsOfRealMesh, ShareOutTheSurfaceAmongMoreSitesThanFaces) {
+TEST_P(CellsOfRealMesh, PartitionTheSurfaceAmongMoreSitesThanFaces) {
   DAPPLE_NEEDS_MESH(GetParam());
   const Shape shape = shared_mesh(GetParam());
   Random random(15);
@@ -137,13 +138,13 @@ TEST(RestrictedVoronoi, AgreesWithBruteForceOnRandomMeshes) {
   }
 }
 
-TEST(RestrictedVoronoi, AgreesWithBruteForceOnTroubledSites) {
+TEST(RestrictedVoronoi, AgreesWithBruteForceOnDegenerateSites) {
   for (std::uint64_t seed = 0; seed < kRandomMeshes; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(5000 + seed);
     const Shape shape = random_shape(random);
     const auto count = static_cast<std::size_t>(1 + random.below(30));
-    expect_same_cells(shape, shape.surface(), troubled_sites(shape, count, random));
+    expect_same_cells(shape, shape.surface(), degenerate_sites(shape, count, random));
     if (HasFailure()) return;
   }
 }
@@ -175,7 +176,7 @@ TEST(RestrictedVoronoi, AgreesWithBruteForceWithASiteOnEveryVertex) {
 
 // ---- ties ----
 
-TEST(RestrictedVoronoi, GivesAllToTheFirstOfCoincidentSites) {
+TEST(RestrictedVoronoi, TheFirstOfCoincidentSitesGetsTheCell) {
   const Surface surface = triangle().surface();
   const Vec3 p = surface.point(0, {0.3, 0.3, 0.4});
   const RestrictedVoronoi found =
@@ -187,10 +188,10 @@ TEST(RestrictedVoronoi, GivesAllToTheFirstOfCoincidentSites) {
   }
 }
 
-/// Twins on different faces around a vertex come in another order along the surface: what borders
-/// on them must border on the first, not on one whose cell is empty.
-/// Each of them asking for all others would take an hour.
-TEST(RestrictedVoronoi, ACrowdAtOnePlaceCostsNoMoreThanAsManySites) {
+/// The flood meets coincident sites on different faces around a vertex in another order: neighbors
+/// must border on the first of them, not on one with an empty cell. The search must not take
+/// quadratic time.
+TEST(RestrictedVoronoi, ManyCoincidentSitesTakeLinearTime) {
   const Shape shape = icosphere(2);
   const std::size_t count = 300'000;
   const Sites sites{std::vector<Vec3>(count, shape.point(5, Vec3(0.2, 0.3, 0.5))),
@@ -202,8 +203,8 @@ TEST(RestrictedVoronoi, ACrowdAtOnePlaceCostsNoMoreThanAsManySites) {
   }
 }
 
-/// Coincident sites on different faces of an edge among a crowd on one of them.
-TEST(RestrictedVoronoi, ACrowdBelongsToTheFirstOfAllItsSites) {
+/// Coincident sites on the two faces of an edge, among many sites on one of them.
+TEST(RestrictedVoronoi, TheFirstOfManyCoincidentSitesGetsTheCell) {
   const Shape shape = grid(1);
   const Vec3 middle = 0.5 * (shape.vertices[static_cast<std::size_t>(shape.faces[0][0])] +
                              shape.vertices[static_cast<std::size_t>(shape.faces[0][2])]);
@@ -213,7 +214,7 @@ TEST(RestrictedVoronoi, ACrowdBelongsToTheFirstOfAllItsSites) {
   EXPECT_NEAR(diagram.cells[0].capacity, 1.0, 1e-12);
 }
 
-/// Sites on a part of the unit square, each where the other 200 are near: cells that go far.
+/// Sites on a part of the unit square with 200 near neighbors each, whose cells are long.
 Sites crowded_sites(const Surface& surface, const std::function<Vec3(int)>& place) {
   std::vector<Vec3> places;
   for (int k = 0; k < 200; ++k) places.push_back(place(k));
@@ -236,7 +237,7 @@ TEST(RestrictedVoronoi, AgreesWithBruteForceWhereASmallPartHasAllSites) {
   expect_same_cells(ball, ball.surface(), crowded_sites(ball.surface(), on_cap));
 }
 
-/// Triangles that hang together at the origin alone, at 30 degrees from one another.
+/// Triangles that have only the origin in common, 30 degrees apart.
 Shape propeller() {
   Shape shape{"Propeller", {Vec3::Zero()}, {}};
   for (std::int32_t k = 0; k < 6; ++k) {
@@ -304,8 +305,8 @@ TEST(RestrictedVoronoi, KeepsManyCoincidentSitesApartFromTheRest) {
   expect_same_cells(shape, surface, sites);
 }
 
-/// Faces that lie wholly in the bisector of two sites are equally near to both: each belongs to one
-/// of them.
+/// Faces that lie in the bisector of two sites are equally near to both: each of them belongs to
+/// one site.
 TEST(RestrictedVoronoi, GivesASheetInABisectorToOneSite) {
   const auto lifted = [](double z) {
     return mapped(grid(2), [z](const Vec3& p) { return Vec3(p.x(), p.y(), z); });
@@ -315,8 +316,8 @@ TEST(RestrictedVoronoi, GivesASheetInABisectorToOneSite) {
   check_cells(shape.surface(), sites);
 }
 
-/// The same where the faces in the bisector are reached over mesh edges from both sides, in any
-/// order of the sites and in frames where the tie holds only to rounding.
+/// The flood reaches the faces in the bisector over mesh edges from both sides. The order of sites
+/// and the coordinate frame vary, so that ties hold only up to rounding.
 TEST(RestrictedVoronoi, GivesAWallInABisectorToTheFirstSite) {
   const Sites sites{{Vec3(-0.3, 0.525, 0.0), Vec3(0.3, 0.525, 0.0), Vec3(-0.3, 0.125, 0.0),
                      Vec3(0.3, 0.125, 0.0)},
@@ -341,7 +342,7 @@ TEST(RestrictedVoronoi, GivesAWallInABisectorToTheFirstSite) {
 
 // ---- pieces that the flood from the site does not reach ----
 
-TEST(RestrictedVoronoi, SharesOutANeedleAmongSitesThatAllButTouch) {
+TEST(RestrictedVoronoi, DividesANeedleAmongNearlyCoincidentSites) {
   const double width = 1e-6, apart = 1e-9;
   const Shape needle{"Needle", {{-1, -width, 0}, {1, -width, 0}, {0, width, 0}}, {{0, 1, 2}}};
   const Surface surface = needle.surface();
@@ -352,8 +353,8 @@ TEST(RestrictedVoronoi, SharesOutANeedleAmongSitesThatAllButTouch) {
     EXPECT_GT(cell.area, 0.0);
 }
 
-/// To rounding one plane parts the first site from all others, which part the far face among them.
-TEST(RestrictedVoronoi, SharesOutAFarFaceAmongSitesThatAllButTouch) {
+/// Up to rounding, one plane separates the first site from all others, which share the far face.
+TEST(RestrictedVoronoi, DividesAFarFaceAmongNearlyCoincidentSites) {
   const Shape strips{"Strips",
                      {{0.49991061251485119, 0.0078799890410303618, -0.0052235301989706391},
                       {0.24315485459186401, 0.43689314884895042, -0.00030524950177540297},
@@ -371,7 +372,7 @@ TEST(RestrictedVoronoi, SharesOutAFarFaceAmongSitesThatAllButTouch) {
   check_cells(surface, sites, 1e-8 * surface.area());
 }
 
-// There, rounding is larger than the density itself, and of either sign.
+// Rounding errors there exceed the density and have either sign.
 TEST(RestrictedVoronoi, HasNoNegativeCapacityWhereTheDensityFallsTo0) {
   const Shape shape = {
       "Ramp", {{0, 0, 0}, {1.3, 0.1, 0.4}, {0.2, 1.1, 0.7}}, {{0, 1, 2}}, {0.0, 0.7, 1.3}};
@@ -390,8 +391,9 @@ TEST(RestrictedVoronoi, GivesAFaceTooFarForSquaresOfDistancesToASite) {
   check_cells(far.surface(), at_points({{0.1, 0.1, 0}, {0.5, 0.2, 0}, {0.2, 0.5, 0}}));
 }
 
-/// Of the two sites the one that has nothing of a far face bears the name of the other, which has.
-TEST(RestrictedVoronoi, SharesOutAFarFaceThatOneOfTwoSitesHasNothingOf) {
+/// Of two sites, one has no part of a far face, although its neighbor's polygons are labeled with
+/// it.
+TEST(RestrictedVoronoi, DividesAFarFaceOfWhichOneOfTwoSitesHasNoPart) {
   const Shape soup{"Soup",
                    {{-0.78176004240493324, -0.1235957196152762, 0.66243698837750675},
                     {-1.3074226343229862, 0.16375664381929414, 0.84902025454049612},
@@ -427,7 +429,7 @@ TEST(RestrictedVoronoi, ReachesThroughWalls) {
   expect_same_boundaries(shape, shape.surface(), sites);
 }
 
-TEST(RestrictedVoronoi, ServesMoreComponentsThanSites) {
+TEST(RestrictedVoronoi, HandlesMoreComponentsThanSites) {
   const Shape shape = many_components(60);
   Random random(22);
   for (const std::size_t count : {1u, 2u, 7u})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "relax/company.hpp"
+#include "relax/participants.hpp"
 
 #include <algorithm>
 
@@ -14,30 +14,30 @@ namespace {
 
 constexpr double kOverlap = 1e-3;  // of the wanted distance: smaller overlaps are accepted
 
-std::vector<const Companion*> all_of(const Company& company) {
-  std::vector<const Companion*> result;
-  result.reserve(company.selves.size() + company.others.size());
-  for (const Companion& self : company.selves) result.push_back(&self);
-  for (const Companion& other : company.others) result.push_back(&other);
+std::vector<const Participant*> all_of(const Participants& participants) {
+  std::vector<const Participant*> result;
+  result.reserve(participants.relaxed.size() + participants.fixed.size());
+  for (const Participant& one : participants.relaxed) result.push_back(&one);
+  for (const Participant& one : participants.fixed) result.push_back(&one);
   return result;
 }
 
 /// The part with the sum of the classes' densities, and the capacity per site on it.
-struct Together {
+struct UnionPart {
   Surface surface;
   double share;
 };
 
-Together together_on(const SurfacePart& part, const Company& company) {
-  const std::vector<const Companion*> all = all_of(company);
+UnionPart union_on(const SurfacePart& part, const Participants& participants) {
+  const std::vector<const Participant*> all = all_of(participants);
   double weights = 0.0;
-  for (const Companion* one : all) weights += one->weight;
+  for (const Participant* one : all) weights += one->weight;
   if (std::all_of(all.begin(), all.end(), [](const auto* one) { return one->surface->uniform(); }))
     return {part.surface(), 1.0 / weights};
   std::vector<double> values;
   for (std::size_t f = 0; f < part.surface().face_count(); ++f) {
     Vec3 sum = Vec3::Zero();
-    for (const Companion* one : all) {
+    for (const Participant* one : all) {
       const OrderedSurface& mesh = one->surface->ordered();
       const std::int32_t face = part.outside(static_cast<std::int32_t>(f));
       sum += one->weight * mesh.densities(mesh.ordered_face(face));
@@ -64,23 +64,23 @@ struct Gathered {
   std::vector<bool> locked;
 };
 
-Gathered gather(std::span<const Self> selves, const Company& company) {
+Gathered gather(std::span<const FreeClass> free_classes, const Participants& participants) {
   Gathered result;
   std::vector<ClassProblem::Member>& classes = result.problem.classes;
-  for (std::size_t c = 0; c < selves.size(); ++c) {
-    const Region& region = *selves[c].region;
+  for (std::size_t c = 0; c < free_classes.size(); ++c) {
+    const Region& region = *free_classes[c].region;
     const std::size_t count = region.members.size();
     classes.push_back(
-        {std::make_shared<const PartDomain>(*selves[c].domain, selves[c].share, count), count,
-         company.selves[c].radius});
+        {std::make_shared<const PartDomain>(*free_classes[c].domain, free_classes[c].share, count),
+         count, participants.relaxed[c].radius});
     Sites own = region.sites;
     const std::vector<bool> fixed = region.fixed();
-    lead_to_density(region.part.surface(), *selves[c].domain, own, fixed);
+    lead_to_density(region.part.surface(), *free_classes[c].domain, own, fixed);
     append(result.start, own);
     result.locked.insert(result.locked.end(), fixed.begin(), fixed.end());
   }
-  for (const Companion& other : company.others) {
-    const Sites around = on_part(selves[0].region->part, other.sites);
+  for (const Participant& other : participants.fixed) {
+    const Sites around = on_part(free_classes[0].region->part, other.sites);
     classes.push_back({classes[0].domain, around.size(), other.radius});
     append(result.start, around);
     result.locked.resize(result.start.size(), true);
@@ -90,10 +90,10 @@ Gathered gather(std::span<const Self> selves, const Company& company) {
 
 }  // namespace
 
-bool discs_overlap(const Region& region, const Company& company) {
+bool discs_overlap(const Region& region, const Participants& participants) {
   Sites sites = region.sites;
-  std::vector<double> radii(sites.size(), company.selves[0].radius);
-  for (const Companion& other : company.others) {
+  std::vector<double> radii(sites.size(), participants.relaxed[0].radius);
+  for (const Participant& other : participants.fixed) {
     append(sites, on_part(region.part, other.sites));
     radii.resize(sites.size(), other.radius);
   }
@@ -106,20 +106,20 @@ bool discs_overlap(const Region& region, const Company& company) {
   return worst_overlap(evaluate_disc_repulsion({sites, normals, radii}, 1.0)) > kOverlap;
 }
 
-Minimum even_among(std::span<const Self> selves, const Company& company,
-                   const OptimizerOptions& options, Context* context) {
-  Gathered gathered = gather(selves, company);
+Minimum minimize_free(std::span<const FreeClass> free_classes, const Participants& participants,
+                      const OptimizerOptions& options, Context* context) {
+  Gathered gathered = gather(free_classes, participants);
   ClassProblem& problem = gathered.problem;
-  const Together together = together_on(selves[0].region->part, company);
-  const SurfaceDomain cells(together.surface, Cells::kConnected, Steps::kConnected,
+  const UnionPart union_part = union_on(free_classes[0].region->part, participants);
+  const SurfaceDomain cells(union_part.surface, Cells::kConnected, Steps::kConnected,
                             /*sides=*/nullptr, EmptyFaces::kLeft);
   problem.all = problem.classes[0].domain;
   if (gathered.start.size() > problem.classes[0].count)
-    problem.all = std::make_shared<const PartDomain>(cells, together.share * cells.density_unit(),
+    problem.all = std::make_shared<const PartDomain>(cells, union_part.share * cells.density_unit(),
                                                      gathered.start.size());
   Objective objective =
       make_objective(problem, class_of_sites(problem),
-                     {.union_weight = company.union_weight, .sample = {.optimizer = options}},
+                     {.union_weight = participants.union_weight, .sample = {.optimizer = options}},
                      std::move(gathered.locked));
   leave_out_locked(objective);
   objective.holds_discs = !objective.discs.empty();
