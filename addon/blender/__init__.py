@@ -9,7 +9,7 @@ import bpy
 
 from ..core.worker import end_free_threads
 from . import copies, ui
-from .base import recent, renders, translation, under_way
+from .base import prepared, recent, renders, translation, under_way
 from .command import entry
 from .live import copied, instanced, modifier_tab, placing, watcher
 from .ops import (
@@ -24,11 +24,13 @@ from .ops import (
     point_operators,
     point_tool,
     scatter_operators,
+    subdivision_operators,
+    tile_operators,
     tools,
     viewport_operators,
 )
-from .panels import asset_library, collections, pictures, preferences, preset_operators, shown
-from .settings import properties
+from .panels import asset_library, collections, pictures, preferences, preset_operators
+from .settings import properties, updates
 from .status import freshness, workfiles
 from .steps import remembered
 from .viewport import overlay, preview
@@ -37,8 +39,10 @@ _WITH_CLASSES: tuple[Any, ...] = (
     *(
         add_operators,
         operators,
+        tile_operators,
         bake_operators,
         live_operators,
+        subdivision_operators,
         viewport_operators,
         tools,
         paint_operators,
@@ -87,15 +91,20 @@ def _register() -> None:
 
 def _steps() -> list[Step]:
     first: Any = (translation, properties)
-    early: Any = (pictures, shown, workfiles, freshness, renders, under_way)
+    early: Any = (pictures, prepared, preset_operators, workfiles, freshness, renders, under_way)
     later: Any = (*early, recent, preview)
     edge: Any = (keymaps, point_tool, export_operators, entry)
     last: Any = (overlay, remembered, watcher, placing, modifier_tab, instanced, copied, *edge)
     return [
         *((module.register, module.unregister) for module in first),
+        (_follow_settings, updates.followers.clear),
         (_add_classes, _remove_classes),
         *((module.register, module.unregister) for module in (*later, *last)),
     ]
+
+
+def _follow_settings() -> None:
+    updates.followers[:] = [module.touch for module in (overlay, freshness, watcher, placing)]
 
 
 def _add_classes() -> None:

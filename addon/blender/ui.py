@@ -8,11 +8,11 @@ from . import panels
 from .base.labels import lines_of
 from .base.translation import told
 from .data.scatter import active_surface, is_scatter, rest_note
+from .ops import subdivision_operators
 from .ops.add_operators import DAPPLE_OT_surface_from_selected
 from .ops.operators import DAPPLE_OT_optimize
 from .ops.scatter_operators import DAPPLE_OT_select_surface
-from .ops.viewport_operators import DAPPLE_OT_match_subdivision
-from .panels import shown
+from .ops.subdivision_operators import DAPPLE_OT_match_subdivision
 from .panels.base import Panel
 from .panels.editing import draw_editing
 from .panels.painting import draw_painting
@@ -64,7 +64,7 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
 
 def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context, icon: str) -> None:
     surface = active_surface(context)
-    causes = shown.DIFFERENCES.of(surface) if surface else ()
+    causes = subdivision_operators.DIFFERENCES.of(surface) if surface else ()
     if causes:
         text = told("Viewport and renders differ: {causes}", causes="; ".join(causes))
         lines_of(layout, text, icon)

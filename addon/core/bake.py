@@ -13,15 +13,15 @@ from .binding import placed_of, rebound, samples_of
 from .errors import ScatterError
 from .frames import carried, shading
 from .grounds import Grounds
-from .keys import Baked, Keyframes, Placed
+from .keys import Baked, Keyframes
 from .kinds import resumed_on, tracked
 from .lean import Leaning
-from .native import package
-from .records import Binding
+from .native import named, package
+from .records import Binding, Placed
 from .rest import Shape, rebound_at_rest
 from .settings import Settings
 from .sidecar import Fingerprint, Sidecar, Solved
-from .solve import Report, named, report_of
+from .solve import Report, report_of
 from .surface import REBIND, Floats, Ints, SurfaceArrays, check_same_topology
 
 

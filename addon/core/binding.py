@@ -8,9 +8,8 @@ import numpy as np
 
 from .errors import ScatterError
 from .frames import frames, shading, transport
-from .keys import Placed
 from .native import package
-from .records import Binding
+from .records import Binding, Placed
 from .surface import Floats, Ints, SurfaceArrays
 
 

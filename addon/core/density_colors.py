@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .ground import Ground, ground_of
-from .native import package
+from .native import named, package
 from .settings import Settings
-from .solve import named
 from .surface import Floats, SurfaceArrays
 
 Singles = NDArray[np.float32]

@@ -13,8 +13,8 @@ from .errors import StoppedError
 from .frames import carried, shading
 from .ground import ground_of
 from .kinds import tracked
+from .native import named
 from .records import Binding
-from .solve import named
 from .surface import Floats, SurfaceArrays, check_same_topology
 
 

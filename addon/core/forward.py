@@ -8,12 +8,7 @@ import numpy as np
 from .frames import frames, shading
 from .records import Binding
 from .surface import SurfaceArrays
-
-AXES = {
-    f"{sign}{name}": (-1.0 if sign else 1.0) * np.eye(3)[k]
-    for sign in ("", "-")
-    for k, name in enumerate("XYZ")
-}
+from .tables import AXES
 
 
 def pointing(binding: Binding, surface: SurfaceArrays, forward: str) -> Binding:

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from .ground import Ground, ground_of
-from .keys import Placed
 from .kinds import shrunk
 from .over_time import arrays_of, moved, with_faces
+from .records import Placed
 from .room import rooms
 from .settings import Settings
 from .surface import Floats, Ints, SurfaceArrays

@@ -19,11 +19,11 @@ from .frames import carried, shading
 from .ground import Ground, ground_of, shares
 from .kinds import classes_of, sampled, shrunk, wanted_counts
 from .locked import Locked
-from .native import package
+from .native import named, package
 from .records import Binding, Columns, own_random
 from .room import rooms
 from .settings import Settings
-from .solve import Scattered, Solved, named, point_columns, report_of
+from .solve import Scattered, Solved, point_columns, report_of
 from .surface import Floats, Ints, SurfaceArrays
 
 KEEPING = {"count", "per_area", "density", "forward"}  # settings that may be others than before

@@ -15,20 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .records import TRIANGLE_ATTRIBUTES, Binding, Columns
+from .records import TRIANGLE_ATTRIBUTES, Binding, Columns, Placed
 from .stale import SKETCH_SUMS, sketch
 from .surface import Floats, Ints, SurfaceArrays
-
-
-@dataclass(frozen=True)
-class Placed:
-    """Where points sit in one frame."""
-
-    faces: Ints  # (n,) triangles of the surface, as it was cut when it was bound
-    binding: Binding
-    gone: Floats | None = None  # (n,) 0 there, 1 not there; None: all are there
-    lean: Floats | None = None  # (n, 3) see lean.py; None: none leans
-    room: Floats | None = None  # (n,) see room.py; None: no instance is fitted to it
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,12 @@
 """The door to the native package, which may be missing or too old."""
 
 import importlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from types import ModuleType
 
-from .errors import MissingPackageError
+from .errors import MissingPackageError, ScatterError, StoppedError
 
 PACKAGE = "dapple3d"
 
@@ -35,3 +37,14 @@ def missing() -> str:
     except MissingPackageError as error:
         return str(error)
     return ""
+
+
+@contextmanager
+def named(name: str) -> Iterator[None]:
+    """Raise errors of the native package inside as errors of the surface of that name."""
+    try:
+        yield
+    except package().Cancelled as error:
+        raise StoppedError("Canceled: nothing was written") from error
+    except (ValueError, MemoryError) as error:
+        raise ScatterError(f"Surface '{name}': {error}") from error

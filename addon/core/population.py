@@ -17,13 +17,12 @@ from .binding import bound_to, faces_with_corners, samples_of
 from .errors import ScatterError
 from .frames import carried, shading
 from .ground import Ground, ground_of
-from .keys import Placed
 from .kinds import of_classes, sampled
 from .lean import Leaning
-from .native import package
-from .records import Binding, Columns, joined
+from .native import named, package
+from .records import Binding, Columns, Placed, joined
 from .sidecar import Solved
-from .solve import Report, named, point_columns, report_of
+from .solve import Report, point_columns, report_of
 from .surface import Floats, Ints, SurfaceArrays
 
 

@@ -224,3 +224,14 @@ def mixed(state: NDArray[np.uint64]) -> NDArray[np.uint64]:
     state = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     state = (state ^ (state >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return state ^ (state >> np.uint64(31))
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Where points sit in one frame."""
+
+    faces: Ints  # (n,) triangles of the surface, as it was cut when it was bound
+    binding: Binding
+    gone: Floats | None = None  # (n,) 0 there, 1 not there; None: all are there
+    lean: Floats | None = None  # (n, 3) see lean.py; None: none leans
+    room: Floats | None = None  # (n,) see room.py; None: no instance is fitted to it

@@ -17,9 +17,8 @@ import numpy as np
 from .binding import bound_to
 from .errors import ScatterError
 from .frames import frames, shading
-from .native import package
+from .native import named, package
 from .records import Binding, Columns
-from .solve import named
 from .surface import Floats, Ints, SurfaceArrays
 
 _AHEAD = 0.05  # of the first edge

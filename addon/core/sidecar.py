@@ -21,9 +21,8 @@ from typing import Any
 import numpy as np
 
 from .binding import bound_to
-from .keys import Placed
 from .native import package
-from .records import Binding, Columns
+from .records import Binding, Columns, Placed
 from .settings import Settings
 from .solve import Report
 from .surface import SurfaceArrays

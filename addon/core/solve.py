@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solving: calls of the native package, arrays in and bindings out."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,12 +9,11 @@ from numpy.typing import NDArray
 
 from .binding import binding_of, bound_nearest
 from .details import Details, details_of
-from .errors import ScatterError, StoppedError
 from .forward import pointing
 from .ground import Ground, ground_of, shares
 from .kinds import sampled, shrunk
 from .locked import Locked, kept_ids, rows_of
-from .native import package
+from .native import named, package
 from .records import Binding, Columns, own_random
 from .room import rooms
 from .settings import Settings
@@ -150,14 +147,3 @@ def report_of(report: Any) -> Report:
         overlap_second=second,
         **shown,
     )
-
-
-@contextmanager
-def named(name: str) -> Iterator[None]:
-    """Raise errors of the native package inside as errors of the surface of that name."""
-    try:
-        yield
-    except package().Cancelled as error:
-        raise StoppedError("Canceled: nothing was written") from error
-    except (ValueError, MemoryError) as error:
-        raise ScatterError(f"Surface '{name}': {error}") from error

@@ -1,12 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of a scatter itself, and the tables of all groups."""
 
+import numpy as np
+
 from .density_table import DENSITY
 from .descriptors import Changes, Kind, Setting, Settings
 from .display_table import DISPLAY
-from .forward import AXES
 from .instance_table import CLASS, INSTANCES, TILES
 from .solver_options import MOTION, SAMPLE
+
+AXES = {
+    f"{sign}{name}": (-1.0 if sign else 1.0) * np.eye(3)[k]
+    for sign in ("", "-")
+    for k, name in enumerate("XYZ")
+}
+
 
 BOUND_TO = (  # the numbers are what files hold
     (

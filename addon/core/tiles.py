@@ -10,10 +10,9 @@ import numpy as np
 from .binding import bound_nearest, samples_of
 from .errors import ScatterError
 from .frames import shaded
-from .native import package
+from .native import named, package
 from .records import Binding, Columns, own_random
 from .settings import TileSettings
-from .solve import named
 from .surface import Floats, Ints, SurfaceArrays
 
 _INSET_STREAM, _COLOR_STREAM = 2, 3  # of own_random

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 from .bake import Baker
 from .binding import placed_of
 from .kinds import of_classes
-from .native import package
+from .native import named, package
 from .sidecar import Solved
-from .solve import named, report_of
+from .solve import report_of
 from .surface import SurfaceArrays
 
 PIECE, OVERLAP = 50, 12  # frames that are solved at once; how many of them again with the next

@@ -11,7 +11,8 @@ import numpy as np
 from addon.blender.data.key_writing import write_baked
 from addon.blender.data.store import new_scatter, write_scattered
 from addon.core.binding import bound_to
-from addon.core.keys import Keyframes, Placed
+from addon.core.keys import Keyframes
+from addon.core.records import Placed
 from addon.core.solve import Report, Scattered, point_columns
 from addon.core.surface import SurfaceArrays
 

@@ -15,8 +15,9 @@ import numpy as np
 from addon.core.bake import Baker, Start
 from addon.core.binding import binding_of
 from addon.core.frames import Normals, frames, smooth
-from addon.core.keys import Keyframes, Placed
+from addon.core.keys import Keyframes
 from addon.core.lean import rotations
+from addon.core.records import Placed
 from addon.core.settings import Settings
 from addon.core.surface import SurfaceArrays
 from benchmarks.tracking.animations import GENERATED, Animation

@@ -53,6 +53,11 @@ def part(name: str):
     return importlib.import_module(f"{MODULE}.{name}")
 
 
+def registered(name: str):
+    """Class of the extension that is registered under a name, such as DAPPLE_OT_bake."""
+    return next(kind for kind in part("blender")._CLASSES if kind.__name__ == name)
+
+
 def sources() -> Path:
     """Folder of the enabled extension."""
     return Path(sys.modules[MODULE].__file__).resolve().parent

@@ -33,10 +33,8 @@ def _classes():
 
 def _tools():
     """Those of the toolbars: they are no RNA types, and no list has them."""
-    for path in sorted((addon_host.sources() / "blender" / "ops").glob("*.py")):
-        for kind in vars(addon_host.part(f"blender.ops.{path.stem}")).values():
-            if isinstance(kind, type) and issubclass(kind, bpy.types.WorkSpaceTool):
-                yield kind
+    known = {kind.__name__: kind for kind in bpy.types.WorkSpaceTool.__subclasses__()}
+    return [kind for kind in known.values() if kind.__module__.startswith(addon_host.MODULE)]
 
 
 def _of_class(kind):

@@ -36,8 +36,7 @@ class Pressing:
 
     def press(self, name, **properties):
         """What pressing a button returns."""
-        module = {"bake": "bake_operators", "add": "add_operators"}.get(name, "operators")
-        kind = getattr(addon_host.part(f"blender.ops.{module}"), f"DAPPLE_OT_{name}")
+        kind = addon_host.registered(f"DAPPLE_OT_{name}")
         given = SimpleNamespace(is_property_set=properties.__contains__)
         button = SimpleNamespace(bl_label=kind.bl_label, properties=given, **properties)
         button.report = lambda kinds, text: self.reported.append((*kinds, text))

@@ -219,16 +219,21 @@ CASES = [
     ("paint_blocked", {}, scattered, "blender.ops.paint_operators.begin_painting"),
     ("paint_done", {}, painted, "blender.ops.paint_operators.end_painting"),
     ("preview", {}, scattered, "blender.viewport.preview.start"),
-    ("match_subdivision", {}, subdivided, "blender.ops.viewport_operators.match_subdivision"),
+    ("match_subdivision", {}, subdivided, "blender.ops.subdivision_operators.match_subdivision"),
     ("show_density", {}, scattered, "blender.viewport.overlay.start"),
     *(
         ("edit_classes", {"action": action}, made, "blender.ops.tools.change_classes")
         for action in ("ADD", "REMOVE", "UP", "DOWN")
         for made in (scattered, two_types)
     ),
-    ("add_material", {"material": "Grass"}, with_material, "blender.ops.tools.by_full_name"),
-    ("remove_material", {"index": 0}, of_material, "blender.ops.tools.settings_changed"),
-    ("lock", {"every": True}, scattered, "blender.ops.tools.lock_points"),
+    (
+        "add_material",
+        {"material": "Grass"},
+        with_material,
+        "blender.ops.paint_operators.by_full_name",
+    ),
+    ("remove_material", {"index": 0}, of_material, "blender.ops.paint_operators.settings_changed"),
+    ("lock", {"every": True}, scattered, "blender.ops.point_operators.lock_points"),
     ("select_overlap", {}, touching, "blender.ops.tools.select_overlap"),
     ("select_scatter", FIRST, two_scatters, "blender.ops.scatter_operators.activate"),
     ("select_surface", {}, two_scatters, "blender.ops.scatter_operators.activate"),

@@ -436,7 +436,7 @@ def test_materials_that_nodes_set_count():
     b.output("Geometry", node.outputs[0])
     surface.modifiers.new("Cover", "NODES").node_group = tree
     obj = scenes.scattered(surface, count=100)
-    shown = addon_host.part("blender.panels.shown")
+    shown = addon_host.part("blender.panels.density")
     assert "Snow" in shown.MATERIALS.of(obj)
     choose(obj, "Snow")
     assert on_top(optimized(obj, use_material=True)) == 100
@@ -450,7 +450,7 @@ def test_materials_of_parts_count_on_a_joined_surface():
     bpy.context.view_layer.objects.active = first
     assert bpy.ops.dapple.add(count=200) == {"FINISHED"}
     obj = bpy.context.object
-    shown = addon_host.part("blender.panels.shown")
+    shown = addon_host.part("blender.panels.density")
     assert shown.MATERIALS.of(obj) == ("Soil", "Grass", "Stone", "Brick")
     choose(obj, "Grass")
     found = optimized(obj, use_material=True)

@@ -28,7 +28,9 @@ def redrawn(prepared, monkeypatch):
 
 
 COSTLY = {
-    "blender.panels.shown": ("differences", "count_labels", "details_from", "settings_of"),
+    "blender.ops.subdivision_operators": ("differences",),
+    "blender.panels.instances": ("count_labels",),
+    "blender.panels.pictures": ("details_from", "settings_of"),
     "core.pictures": ("curve", "bars", "pattern"),
     "core.presets": ("names",),
     "blender.panels.asset_library": ("library", "missing_assets"),

@@ -48,3 +48,11 @@ def unregister() -> None:
     """Remember nothing."""
     _forget()
     _HANDLERS.unwatch()
+
+
+def activate(context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    """Have it be the only selected object, and the active one."""
+    for other in context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    context.view_layer.objects.active = obj

@@ -10,13 +10,7 @@ from ...core.descriptors import DATA_BLOCKS, Kind
 from ...core.errors import ScatterError
 from ...core.records import SCHEMA_KEY
 from ...core.room import largest_scale
-from ...core.settings import (
-    BakeSettings,
-    ClassSettings,
-    DensitySettings,
-    Settings,
-    TileSettings,
-)
+from ...core.settings import BakeSettings, ClassSettings, DensitySettings, Settings, TileSettings
 from ...core.solve import Report
 from ...core.stale import changed_baking, changed_settings
 from ...core.tables import SCATTER

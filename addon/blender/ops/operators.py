@@ -4,16 +4,14 @@
 from typing import Any, ClassVar
 
 import bpy
-import numpy as np
 from bpy.props import BoolProperty, EnumProperty
 
 from ...core.errors import ScatterError
 from ...core.steps import Steps
 from ..base.job import OPTIONS, AllOrNothing, Status, StepsOperator
-from ..base.translation import operator_label, reported, told
+from ..base.translation import operator_label, told
 from ..base.under_way import Outcome
 from ..live import watcher
-from ..steps.tiling import tile_steps
 from ..steps.work import optimize_steps, rebind_steps
 from ..viewport import preview
 from .polls import ready
@@ -143,40 +141,8 @@ class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
         return Outcome(obj)
 
 
-class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
-    """Turn the area of each point into a tile, on the surface in the current frame. The points are
-    those that were optimized, not those of the bake. Existing tiles are replaced and keep their
-    modifiers"""
-
-    bl_idname = "dapple.tile"
-    bl_label = "Make Tiles"
-    bl_options = OPTIONS
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return ready(cls, context, scatter=True)
-
-    def steps(self, context: bpy.types.Context) -> Steps:
-        return tile_steps(context)
-
-    def written(self, context: bpy.types.Context) -> list[bpy.types.Object]:
-        return [*filter(None, [context.object.dapple.tiles.object])]
-
-    @staticmethod
-    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
-        made, tiles = result
-        count = len(np.unique(tiles.cells))
-        text = reported("'{name}': {count:,} tiles", name=made.name, count=count)
-        if tiles.lost:
-            text = reported(
-                "{tiles}, {lost:,} were narrower than the grout", tiles=text, lost=tiles.lost
-            )
-        return Outcome(obj, [("WARNING" if tiles.lost else "INFO", text)])
-
-
 CLASSES = (
     DAPPLE_OT_drop_keys,
     DAPPLE_OT_optimize,
     DAPPLE_OT_rebind,
-    DAPPLE_OT_tile,
 )

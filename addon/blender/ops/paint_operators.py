@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""To Weight Paint on the surface of a scatter, and back."""
+"""Operators of a density: painting on the surface, materials, Show Density."""
 
 import bpy
+from bpy.props import IntProperty, StringProperty
 
 from ...core.density_table import PAINTED
-from ..base.job import OPTIONS, AllOrNothing
-from ..base.translation import told
+from ...core.errors import ScatterError
+from ...core.native import missing
+from ..base.job import OPTIONS, AllOrNothing, Status
+from ..base.translation import reported, told
+from ..data.scatter import is_scatter
+from ..settings.updates import settings_changed
 from ..steps.painting import begin_painting, end_painting, painted_scatter
-from .polls import ready
+from ..surface.beside import by_full_name
+from ..viewport import overlay
+from .polls import may_be_listed, ready
 
 
 class DAPPLE_OT_paint_density(AllOrNothing, bpy.types.Operator):
@@ -60,4 +67,82 @@ class DAPPLE_OT_paint_done(AllOrNothing, bpy.types.Operator):
         end_painting(context)
 
 
-CLASSES = (DAPPLE_OT_paint_density, DAPPLE_OT_paint_blocked, DAPPLE_OT_paint_done)
+class DAPPLE_OT_add_material(AllOrNothing, bpy.types.Operator):
+    """Add a material of the surface to those whose faces have points"""
+
+    bl_idname = "dapple.add_material"
+    bl_label = "Add Material"
+    bl_options = OPTIONS
+
+    material: StringProperty(name="Material", description="Full name of the material")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        why = told(
+            "The materials come from a linked file: choose them there, or make the scatter local"
+        )
+        return may_be_listed(cls, context, why)
+
+    def work(self, context: bpy.types.Context) -> None:
+        found = by_full_name(bpy.data.materials, self.material)
+        chosen = context.object.dapple.density.materials
+        if found is None:
+            raise ScatterError(reported("There is no material '{name}'", name=self.material))
+        if all(one.material != found for one in chosen):
+            chosen.add().material = found  # which has an update function
+
+
+class DAPPLE_OT_remove_material(AllOrNothing, bpy.types.Operator):
+    """Remove the material from those whose faces have points"""
+
+    bl_idname = "dapple.remove_material"
+    bl_label = "Remove Material"
+    bl_options = OPTIONS
+
+    index: IntProperty(
+        name="Index", description="Index of the material in the list", min=0, soft_max=100
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        why = told(
+            "The materials come from a linked file: choose them there, or make the scatter local"
+        )
+        return may_be_listed(cls, context, why)
+
+    def work(self, context: bpy.types.Context) -> Status | None:
+        chosen = context.object.dapple.density.materials
+        if self.index >= len(chosen):
+            return {"CANCELLED"}
+        chosen.remove(self.index)
+        settings_changed(context.object.dapple, context)
+        return None
+
+
+class DAPPLE_OT_show_density(AllOrNothing, bpy.types.Operator):
+    """Color the surface by its density, from dark (no points) to yellow (most points), for the
+    active object type. Run again to stop"""
+
+    bl_idname = "dapple.show_density"
+    bl_label = "Show Density"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object) and not missing()
+
+    def work(self, context: bpy.types.Context) -> None:
+        obj = context.object
+        if overlay.is_on(obj):
+            overlay.stop()
+        else:
+            overlay.start(obj)
+
+
+CLASSES = (
+    DAPPLE_OT_paint_density,
+    DAPPLE_OT_paint_blocked,
+    DAPPLE_OT_paint_done,
+    DAPPLE_OT_add_material,
+    DAPPLE_OT_remove_material,
+    DAPPLE_OT_show_density,
+)

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Placing single points: in Edit Mode, or one by one."""
+"""Placing single points, in Edit Mode or one by one, and locking them."""
 
 import bpy
 import numpy as np
-from bpy.props import FloatVectorProperty, IntProperty
+from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 
 from ..base.job import OPTIONS, AllOrNothing, Status, tried
 from ..base.translation import reported, told
 from ..data.library import read_only
+from ..data.locking import lock_points
 from ..live import watcher
+from ..settings.updates import settings_changed
 from ..steps.editing import add_vertex, begin_editing, edited_scatter, end_editing
 from ..steps.single_points import add_point, move_point, remove_point
 from .mouse import place_under_mouse
-from .polls import editable
+from .polls import editable, writable
 
 
 class DAPPLE_OT_edit_points(AllOrNothing, bpy.types.Operator):
@@ -154,6 +156,32 @@ class DAPPLE_OT_remove_point(_PlacesPoint, _OfPoint, bpy.types.Operator):
         remove_point(obj, self.id)
 
 
+class DAPPLE_OT_lock(AllOrNothing, bpy.types.Operator):
+    """Keep the selected points in place when the scatter is optimized, or unlock them. Points can
+    be moved, added and deleted in Edit Mode first. In a bake all points move"""
+
+    bl_idname = "dapple.lock"
+    bl_label = "Lock or Unlock Points"
+    bl_options = OPTIONS
+
+    lock: BoolProperty(
+        name="Lock", description="Lock the points; if disabled, unlock them", default=True
+    )
+    every: BoolProperty(name="All Points", description="Include points that are not selected")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return writable(cls, context)
+
+    def work(self, context: bpy.types.Context) -> None:
+        count = lock_points(context.object, self.lock, self.every)
+        settings_changed(context.object.dapple, context)  # an update may have waited for it
+        if self.lock:
+            self.report({"INFO"}, reported("Points locked: {count:,}", count=count))
+        else:
+            self.report({"INFO"}, reported("Points unlocked: {count:,}", count=count))
+
+
 CLASSES = (
     DAPPLE_OT_edit_points,
     DAPPLE_OT_edit_points_done,
@@ -161,4 +189,5 @@ CLASSES = (
     DAPPLE_OT_place_point,
     DAPPLE_OT_move_point,
     DAPPLE_OT_remove_point,
+    DAPPLE_OT_lock,
 )

@@ -61,3 +61,12 @@ def editable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
         cls.poll_message_set(told("The scatter is baked: clear the bake to edit points"))
         return False
     return True
+
+
+def may_be_listed(cls: type[bpy.types.Operator], context: bpy.types.Context, why: str) -> bool:
+    """Whether the active object is a scatter whose lists can be edited; else it is said why."""
+    if not writable(cls, context):
+        return False
+    if context.object.override_library:
+        cls.poll_message_set(why)
+    return not context.object.override_library

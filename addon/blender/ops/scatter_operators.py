@@ -6,11 +6,12 @@ from bpy.props import StringProperty
 
 from ...core.errors import ScatterError
 from ..base.job import OPTIONS, AllOrNothing
+from ..base.recent import activate
 from ..base.translation import told
 from ..data.joined import parts_of
 from ..data.library import read_only
 from ..data.scatter import is_scatter, surface_of
-from ..steps.scatters import activate, copied, remove, scatters_of, show_solo
+from ..steps.scatters import copied, remove, scatters_of, show_solo
 
 
 class _NamedOperator(AllOrNothing):

@@ -8,9 +8,10 @@ import bpy
 from ...core.solver_options import EVENNESS
 from ..base.labels import lines_of
 from ..data.scatter import rest_note
+from ..ops import subdivision_operators
 from ..ops.operators import DAPPLE_OT_rebind
-from ..ops.viewport_operators import DAPPLE_OT_match_subdivision
-from . import shown
+from ..ops.subdivision_operators import DAPPLE_OT_match_subdivision
+from . import pictures
 from .base import ScatterPanel
 from .details import DAPPLE_PT_details
 from .results import figure_lines
@@ -23,7 +24,7 @@ class DAPPLE_PT_advanced(ScatterPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, context.object
         layout.use_property_split, layout.use_property_decorate = True, False
-        layout.template_icon(icon_value=shown.PATTERN.of(obj), scale=6.0)
+        layout.template_icon(icon_value=pictures.PATTERN.of(obj), scale=6.0)
         column = layout.column(align=True)
         for setting in EVENNESS:
             column.prop(obj.dapple, setting.name)
@@ -37,7 +38,7 @@ def _draw_attached(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     layout.prop(obj.dapple, "bind_to")
     if rest_note(obj):
         lines_of(layout, rest_note(obj), "INFO")
-        if shown.DIFFERENCES.of(obj.dapple.surface):
+        if subdivision_operators.DIFFERENCES.of(obj.dapple.surface):
             layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
     layout.operator(DAPPLE_OT_rebind.bl_idname)
 
@@ -49,5 +50,5 @@ def _draw_figures(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     column.prop(obj.dapple.report, "spacing")
     column.enabled = False
     if obj.dapple.report.details:
-        shown.DETAILS.of(obj)  # by the time the popover opens it is known
+        pictures.DETAILS.of(obj)  # by the time the popover opens it is known
         layout.popover(DAPPLE_PT_details.__name__, text="Details", icon="GRAPH")

@@ -1,26 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node groups and ready scatters as an asset library of the preferences, if the user wants that."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 
 from ..base import extension
 from ..base.job import AllOrNothing
+from ..base.prepared import Prepared
 from ..base.translation import reported, told
 
 NAME = "Dapple"
 FOLDER = extension.FOLDER / "assets"
-ASSETS = "dapple_nodes.blend"
+ASSETS_FILE = "dapple_nodes.blend"
 
 
 def missing_assets() -> str:
     """Why there is no library to add; empty when there is one."""
-    if (FOLDER / ASSETS).is_file():
+    if (FOLDER / ASSETS_FILE).is_file():
         return ""
     return told(
         "{file} is missing: it is only part of the extension that Blender installs from a zip",
-        file=ASSETS,
+        file=ASSETS_FILE,
     )
 
 
@@ -109,3 +111,18 @@ CLASSES = (
     DAPPLE_OT_add_asset_library,
     DAPPLE_OT_remove_asset_library,
 )
+
+
+@dataclass(frozen=True)
+class Assets:
+    """Whether the node groups are an asset library, and why they cannot be; empty: they can."""
+
+    there: bool = False
+    trouble: str = ""
+
+
+def _assets(_: None) -> Assets:
+    return Assets(library() is not None, missing_assets())
+
+
+ASSETS = Prepared(_assets, Assets())

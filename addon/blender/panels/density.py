@@ -10,15 +10,21 @@ from ...core.density_table import DENSITY
 from ...core.descriptors import Kind, Setting
 from ...core.mask_table import MASKS
 from ..base.labels import lines_of
+from ..base.prepared import Prepared
 from ..base.translation import told
 from ..data.joined import parts_of
 from ..data.scatter import material_name
-from ..ops.paint_operators import DAPPLE_OT_paint_blocked, DAPPLE_OT_paint_density
-from ..ops.tools import DAPPLE_OT_add_material, DAPPLE_OT_remove_material
-from ..ops.viewport_operators import DAPPLE_OT_show_density
+from ..ops.paint_operators import (
+    DAPPLE_OT_add_material,
+    DAPPLE_OT_paint_blocked,
+    DAPPLE_OT_paint_density,
+    DAPPLE_OT_remove_material,
+    DAPPLE_OT_show_density,
+)
+from ..surface import borders
 from ..surface.beside import by_full_name
+from ..surface.materials import surface_materials
 from ..viewport import overlay
-from . import shown
 from .base import ScatterPanel, draw_in_header
 
 SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_camera")
@@ -89,7 +95,7 @@ def _draw_materials(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
         row.label(text=material_name(one), translate=False, **icon)
         remove = DAPPLE_OT_remove_material.bl_idname
         row.operator(remove, text="", icon="X", emboss=False).index = index
-    shown.MATERIALS.of(obj)  # a menu is drawn once only, when it is opened: by then they are known
+    MATERIALS.of(obj)  # a menu is drawn once only, when it is opened: by then they are known
     box.menu(DAPPLE_MT_materials.__name__, icon="ADD")
 
 
@@ -101,7 +107,7 @@ class DAPPLE_MT_materials(bpy.types.Menu):
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, context.object
         chosen = {material_name(one) for one in obj.dapple.density.materials}
-        names = [name for name in shown.MATERIALS.of(obj) or () if name not in chosen]
+        names = [name for name in MATERIALS.of(obj) or () if name not in chosen]
         for name in names:
             found = by_full_name(bpy.data.materials, name)
             icon = layout.icon(found) if found is not None else 0
@@ -129,14 +135,14 @@ def _draw_note(box: bpy.types.UILayout, obj: bpy.types.Object, switch: str) -> N
         lines_of(box, told("No effect yet: choose an object or a collection"), "INFO")
     if switch == "use_material":
         _draw_material_note(box, obj)
-    if switch == "use_border" and shown.IS_CLOSED.of(obj):
+    if switch == "use_border" and borders.IS_CLOSED.of(obj):
         lines_of(box, told("No effect: the surface is closed and has no border"), "INFO")
 
 
 def _draw_material_note(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     """Which of the chosen materials the surface does not have."""
     chosen = [material_name(one) for one in obj.dapple.density.materials]
-    there = shown.MATERIALS.of(obj)
+    there = MATERIALS.of(obj)
     if not chosen:
         lines_of(box, told("No effect yet: choose a material"), "INFO")
     for name in chosen if there is not None else ():
@@ -152,3 +158,14 @@ def _draw_shown(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
         layout.prop(obj.dapple.density, "shown_term")
     if overlay.note():
         lines_of(layout, overlay.note(), "INFO")
+
+
+def _materials(obj: bpy.types.Object) -> tuple[str, ...]:
+    surface = obj.dapple.surface
+    if surface is None:
+        return ()
+    found = surface_materials(surface, bpy.context.evaluated_depsgraph_get())
+    return tuple(one.name_full for one in found)
+
+
+MATERIALS = Prepared(_materials, None)  # of the surface of a scatter, by their full names

@@ -7,7 +7,7 @@ from ...core.details import FARTHEST
 from ..base.labels import at_right
 from ..base.translation import counted, told
 from ..data.scatter import is_scatter
-from . import shown
+from . import pictures
 
 
 class DAPPLE_PT_details(bpy.types.Panel):
@@ -24,7 +24,7 @@ class DAPPLE_PT_details(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, report = self.layout, context.object.dapple.report
-        pictured = shown.DETAILS.of(context.object)
+        pictured = pictures.DETAILS.of(context.object)
         sides = layout.row()
         column = sides.column(align=True)
         column.label(text="Distance to the nearest point")
@@ -48,7 +48,7 @@ class DAPPLE_PT_details(bpy.types.Panel):
         column.enabled = False
 
 
-def _draw_energies(column: bpy.types.UILayout, pictured: shown.Pictured) -> None:
+def _draw_energies(column: bpy.types.UILayout, pictured: pictures.Pictured) -> None:
     steps = len(pictured.energies) - 1
     column.label(
         text=counted(steps, "Energy over {count} iteration", "Energy over {count} iterations")

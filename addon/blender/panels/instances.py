@@ -3,9 +3,10 @@
 
 import bpy
 
+from ..base.prepared import Prepared
 from ..base.translation import told
 from ..ops.tools import DAPPLE_OT_edit_classes, DAPPLE_OT_select_overlap
-from . import shown
+from ..steps.classes import count_labels
 from .base import ScatterPanel
 
 _AXES = ("scale_x", "scale_y", "scale_z")
@@ -30,7 +31,7 @@ class DAPPLE_UL_classes(bpy.types.UIList):
         row = layout.row()
         icon_name = "OUTLINER_COLLECTION" if item.collection else "OBJECT_DATA"
         row.prop(item, "name", text="", emboss=False, icon=icon_name)
-        counts = shown.CLASS_COUNTS.of(data.id_data)
+        counts = CLASS_COUNTS.of(data.id_data)
         part = row.row()
         part.alignment = "RIGHT"
         part.label(text=counts[index] if index < len(counts) else "")
@@ -131,3 +132,10 @@ def _draw_class(layout: bpy.types.UILayout, kind: bpy.types.AnyType) -> None:
     part.prop(kind, "radius")
     row.prop(kind, "radius_from_bounds", text="", icon="PIVOT_BOUNDBOX")
     layout.prop(kind, "density")
+
+
+def _class_counts(obj: bpy.types.Object) -> tuple[str, ...]:
+    return tuple(count_labels(obj))
+
+
+CLASS_COUNTS = Prepared(_class_counts, ())

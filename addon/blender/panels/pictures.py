@@ -2,15 +2,18 @@
 """Pictures in the panel: drawn once, kept while the add-on is enabled, shown as icons."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
 import bpy.utils.previews
 
 from ...core import pictures
-from ...core.details import Details
+from ...core.details import Details, details_from
 from ...core.settings import Settings
 from ...core.surface import Floats
+from ..base.prepared import Prepared
+from ..data.scatter import settings_of
 
 _POINTS = 120  # of the pattern that settings make
 _MOST = 32  # pictures that are kept
@@ -64,3 +67,25 @@ def unregister() -> None:
     if _Kept.icons is not None:
         bpy.utils.previews.remove(_Kept.icons)
     _Kept.icons = None
+
+
+@dataclass(frozen=True)
+class Pictured:
+    """Details of a result, as icons."""
+
+    energies: tuple[float, ...] = ()
+    energy: int = 0
+    gaps: int = 0
+
+
+def _pictured(obj: bpy.types.Object) -> Pictured:
+    details = details_from(obj.dapple.report.details)
+    return Pictured(details.energies, energy_icon(details), gaps_icon(details))
+
+
+def _pattern(obj: bpy.types.Object) -> int:
+    return pattern_icon(settings_of(obj))
+
+
+DETAILS = Prepared(_pictured, Pictured())
+PATTERN = Prepared(_pattern, 0)  # icon

@@ -6,9 +6,8 @@ from typing import ClassVar
 import bpy
 
 from ..base.translation import OWN, counted
-from ..ops.point_operators import DAPPLE_OT_edit_points
+from ..ops.point_operators import DAPPLE_OT_edit_points, DAPPLE_OT_lock
 from ..ops.point_tool import DAPPLE_TOOL_points
-from ..ops.tools import DAPPLE_OT_lock
 from .base import ScatterPanel
 from .instances import active_type
 

@@ -5,7 +5,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from ..base.extension import PACKAGE
-from . import shown
+from . import asset_library
 from .asset_library import DAPPLE_OT_add_asset_library, DAPPLE_OT_remove_asset_library
 from .preset_operators import draw_removal
 
@@ -25,7 +25,7 @@ class DAPPLE_AP_preferences(bpy.types.AddonPreferences):
         layout = self.layout
         draw_removal(layout.column())
         layout.label(text="Ready scatters, and node groups on their own, for the asset browser:")
-        assets = shown.ASSETS.of()
+        assets = asset_library.ASSETS.of()
         if not assets.there:
             layout.operator(DAPPLE_OT_add_asset_library.bl_idname, icon="ASSET_MANAGER")
             if assets.trouble:

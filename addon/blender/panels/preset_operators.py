@@ -6,12 +6,11 @@ from bpy.props import StringProperty
 
 from ...core import presets
 from ..base.job import OPTIONS, AllOrNothing, Status
+from ..base.prepared import Prepared
 from ..base.translation import told
 from ..data.scatter import is_scatter
-from ..ops.asset_operators import DAPPLE_OT_mark_asset
 from ..ops.polls import writable
 from ..steps.presets import apply, folder, values_of
-from . import shown
 
 
 class _PresetOperator(AllOrNothing):
@@ -74,7 +73,7 @@ class DAPPLE_MT_presets(bpy.types.Menu):
     bl_label = "Presets"
 
     def draw(self, context: bpy.types.Context) -> None:
-        found = shown.PRESETS.of()
+        found = PRESETS.of()
         if is_scatter(context.object):
             for name in found:
                 load = DAPPLE_OT_load_preset.bl_idname
@@ -85,19 +84,19 @@ class DAPPLE_MT_presets(bpy.types.Menu):
             save = self.layout.operator(DAPPLE_OT_save_preset.bl_idname, text="Save as Default")
             save.name = presets.DEFAULT
             self.layout.separator()
-            self.layout.operator(DAPPLE_OT_mark_asset.bl_idname, icon="ASSET_MANAGER")
+            self.layout.operator("dapple.mark_asset", icon="ASSET_MANAGER")
         draw_removal(self.layout)
 
 
 def draw_presets(row: bpy.types.UILayout) -> None:
     """The button that opens the menu."""
-    shown.PRESETS.of()  # a menu is drawn once only, when it is opened: by then they are known
+    PRESETS.of()  # a menu is drawn once only, when it is opened: by then they are known
     row.menu(DAPPLE_MT_presets.__name__, text="", icon="PRESET")
 
 
 def draw_removal(layout: bpy.types.UILayout) -> None:
     """A button for each preset that removes it."""
-    for name in shown.PRESETS.of():
+    for name in PRESETS.of():
         text = told("Remove '{name}'", name=name)
         remove = layout.operator(DAPPLE_OT_remove_preset.bl_idname, text=text, icon="TRASH")
         remove.name = name
@@ -109,3 +108,19 @@ CLASSES = (
     DAPPLE_OT_remove_preset,
     DAPPLE_MT_presets,
 )
+
+
+def _presets(_: None) -> tuple[str, ...]:
+    return tuple(presets.names(folder()))
+
+
+PRESETS = Prepared(_presets, ())  # names
+
+
+def register() -> None:
+    """Know the names of presets before a menu is opened."""
+    PRESETS.of()
+
+
+def unregister() -> None:
+    """Nothing is left to take back: what is prepared is forgotten elsewhere."""

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the main panel shows of a surface: its scatters, and a button to add one."""
 
+from dataclasses import dataclass
+
 import bpy
 
 from ..base.labels import at_right
+from ..base.prepared import Prepared
 from ..data.scatter import is_surface
 from ..ops.add_operators import DAPPLE_OT_add
 from ..ops.scatter_operators import (
@@ -12,14 +15,31 @@ from ..ops.scatter_operators import (
     DAPPLE_OT_select_scatter,
     DAPPLE_OT_solo_scatter,
 )
-from . import shown
+from ..steps.scatters import is_solo, scatters_of
 from .collections import DAPPLE_MT_over_collection
 from .preset_operators import draw_presets
 
 
+@dataclass(frozen=True)
+class Listed:
+    """A scatter in the list of its surface."""
+
+    name: str
+    count: int
+    solo: bool  # whether the viewport shows no other one of the surface
+
+
+def _scatters(surface: bpy.types.Object) -> tuple[Listed, ...]:
+    found = scatters_of(surface)
+    return tuple(Listed(one.name, one.dapple.report.count, is_solo(one, found)) for one in found)
+
+
+SCATTERS = Prepared(_scatters, ())  # of a surface
+
+
 def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> None:
     """The scatters of the active object, and what adds another one."""
-    listed = shown.SCATTERS.of(obj) if is_surface(obj) else ()
+    listed = SCATTERS.of(obj) if is_surface(obj) else ()
     name = obj.name if obj is not None else ""
     column = layout.column(align=True)
     for one in listed:
@@ -38,7 +58,7 @@ def _short(name: str, surface: str) -> str:
     return name.removeprefix(f"{surface} ") or name
 
 
-def _draw_listed(row: bpy.types.UILayout, one: shown.Listed, text: str, several: bool) -> None:
+def _draw_listed(row: bpy.types.UILayout, one: Listed, text: str, several: bool) -> None:
     obj = bpy.context.view_layer.objects.get(one.name)
     if obj is None:  # it was renamed or removed since it was listed
         return

@@ -6,7 +6,7 @@ from typing import ClassVar
 import bpy
 
 from ...core.instance_table import TILES
-from ..ops.operators import DAPPLE_OT_tile
+from ..ops.tile_operators import DAPPLE_OT_tile
 from .base import ScatterPanel
 
 

@@ -2,6 +2,7 @@
 """What follows when a setting is changed."""
 
 import re
+from collections.abc import Callable
 
 import bpy
 
@@ -10,11 +11,9 @@ from ...core.solver_options import EVENNESS
 from ..data.modifier import write_instance_inputs, write_warning
 from ..data.scatter import is_automatic
 from ..data.weights import follow_members, is_listed
-from ..live import placing, watcher
-from ..status import freshness
 from ..surface.footprint import follow_bounds
-from ..viewport import overlay
 
+followers: list[Callable[[bpy.types.Object], None]] = []  # of changes; registration lists them
 _UNNAMED = re.compile(r"(Type|Class) \d+")
 
 
@@ -40,10 +39,8 @@ def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
     """Update function of what a result was solved with."""
     _renew_radius(settings)
     write_warning(settings.id_data)
-    overlay.touch(settings.id_data)
-    freshness.touch(settings.id_data)
-    watcher.touch(settings.id_data)
-    placing.touch(settings.id_data)
+    for follow in followers:
+        follow(settings.id_data)
 
 
 def material_changed(chosen: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
@@ -77,7 +74,8 @@ def follows_by_itself(settings: bpy.types.PropertyGroup) -> bool:
 def follow_by_itself(settings: bpy.types.PropertyGroup, value: bool) -> None:
     """Auto Update is what the artist says from now on."""
     settings.auto_update_choice = "ON" if value else "OFF"
-    watcher.touch(settings.id_data)
+    for follow in followers:
+        follow(settings.id_data)
 
 
 def quality_shown(settings: bpy.types.PropertyGroup) -> int:

@@ -15,14 +15,7 @@ import numpy as np
 from ...core.density import names_of
 from ...core.keys import wrong_index
 from ...core.settings import materials_of
-from ...core.sources import (
-    Outline,
-    Sources,
-    around_sources,
-    joined,
-    outline_of,
-    surface_sources,
-)
+from ...core.sources import Outline, Sources, around_sources, joined, outline_of, surface_sources
 from ...core.stale import Sketched, sketched
 from ...core.surface import SurfaceArrays, topology_digest
 from ..data.key_stores import key_tables, stores_of

@@ -11,12 +11,11 @@ import bpy
 
 from ...core.density_table import PAINTED, Painted
 from ...core.errors import ScatterError
-from ..base.recent import latest_of
+from ..base.recent import activate, latest_of
 from ..base.translation import english
 from ..data.joined import parts_of
 from ..data.library import read_only
 from ..data.scatter import is_scatter, surface_of
-from .scatters import activate
 
 
 def painted_scatter(context: bpy.types.Context) -> bpy.types.Object | None:

@@ -11,13 +11,7 @@ from typing import Any
 import bpy
 
 from ...core.keep import Before, as_placed
-from ...core.records import (
-    POINT_ATTRIBUTES,
-    ROW_ATTRIBUTES,
-    Binding,
-    Columns,
-    binding_from,
-)
+from ...core.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, Binding, Columns, binding_from
 from ...core.rest import AtRest
 from ...core.solve import Scattered, Solved
 from ...core.surface import Ints, SurfaceArrays

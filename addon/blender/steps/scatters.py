@@ -26,14 +26,6 @@ def _is_on(surface: bpy.types.Object | None, obj: bpy.types.Object) -> bool:
     return surface == obj or (is_joined(surface) and obj in objects_of(surface))
 
 
-def activate(context: bpy.types.Context, obj: bpy.types.Object) -> None:
-    """Have it be the only selected object, and the active one."""
-    for other in context.selected_objects:
-        other.select_set(False)
-    obj.select_set(True)
-    context.view_layer.objects.active = obj
-
-
 def is_solo(obj: bpy.types.Object, scatters: Iterable[bpy.types.Object]) -> bool:
     """Whether it is the only one of several scatters that the viewport shows."""
     others = [one for one in scatters if one != obj]

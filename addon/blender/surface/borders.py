@@ -5,6 +5,7 @@ import bpy
 
 from ...core.errors import ScatterError
 from ...core.native import package
+from ..base.prepared import Prepared
 from .surface_mesh import read_surface
 
 _MOST = 64
@@ -32,3 +33,6 @@ def _look(surface: bpy.types.Object) -> bool:
     if not len(arrays.faces):
         return False
     return not len(package().density.border_edges(arrays.vertices, arrays.faces))
+
+
+IS_CLOSED = Prepared(is_closed, False)  # whether the surface of a scatter is

@@ -7,14 +7,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import ScatterError
-from ...core.records import (
-    ROW_ATTRIBUTES,
-    Binding,
-    Columns,
-    binding_from,
-    check_binding,
-    unbound,
-)
+from ...core.records import ROW_ATTRIBUTES, Binding, Columns, binding_from, check_binding, unbound
 from ...core.rest import AtRest, at_rest, bound_at_rest
 from ...core.steps import Steps, Task, run_now
 from ...core.surface import SurfaceArrays

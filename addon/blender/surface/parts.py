@@ -11,13 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...core.density import names_of
-from ...core.raw import (
-    RawImage,
-    RawMesh,
-    RawValues,
-    laid_image,
-    surface_of_raw,
-)
+from ...core.raw import RawImage, RawMesh, RawValues, laid_image, surface_of_raw
 from ...core.settings import DensitySettings, Settings, materials_of
 from ...core.steps import PAUSE
 from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings

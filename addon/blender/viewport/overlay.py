@@ -25,7 +25,7 @@ from ..base.timers import call_off, call_within
 from ..base.translation import told
 from ..data.scatter import surface_of
 from ..surface.parts import read_parts
-from . import legend as legend_drawing
+from . import legend as viewport_legend
 from .shown_term import Asked, asked_of, legend_of, watched_by
 
 _PAUSE = 0.2  # seconds without a change before the colors are computed
@@ -198,7 +198,7 @@ def _draw() -> None:
 
 def _draw_legend() -> None:
     if _shown.legend is not None and bpy.context.space_data.overlay.show_overlays:
-        legend_drawing.draw(*_shown.legend, bpy.context.preferences.system.ui_scale)
+        viewport_legend.draw(*_shown.legend, bpy.context.preferences.system.ui_scale)
 
 
 def _parts(positions: Singles, colors: Singles) -> list[Part]:
