@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from addon.blender.data.key_stores import read_baked
+from addon.blender.scatter.key_stores import read_baked
 
 
 @dataclass

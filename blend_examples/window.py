@@ -205,7 +205,7 @@ def show_tab(area: bpy.types.Area) -> bool:
 
 
 def until_idle() -> Story:
-    live = addon_host.part("blender.live.watcher")
+    live = addon_host.part("blender.solve.auto_update")
     for _ in range(2000):
         yield
         if not (works() or live.is_active()):
@@ -217,7 +217,7 @@ def until_idle() -> Story:
 
 def works() -> bool:
     """Whether long work goes on."""
-    return addon_host.part("blender.base.under_way").current() is not None
+    return addon_host.part("blender.base.jobs").current() is not None
 
 
 def shot(name: str) -> Story:

@@ -12,7 +12,7 @@ from scikit_build_core.build import prepare_metadata_for_build_wheel
 
 ROOT = Path(__file__).resolve().parents[1]
 MANIFEST = "blender_manifest.toml"
-ASSETS = "dapple_nodes.blend"  # addon/blender/asset_library.py looks for it
+ASSETS = "dapple_nodes.blend"  # addon/blender/assets/library.py looks for it
 # Nobody has loaded it in a Blender of that system yet: its name in Blender's list says so.
 EXPERIMENTAL = {"windows-x64": "Windows", "macos-arm64": "macOS", "macos-x64": "macOS"}
 

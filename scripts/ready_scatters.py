@@ -14,8 +14,8 @@ from typing import Any
 
 import bpy
 
-from addon.blender.data.modifier import ensure_modifier, write_instance_inputs
-from addon.blender.steps.marking import CATALOG, TAGS, empty_mesh, keep_together
+from addon.blender.assets.marking import CATALOG, TAGS, empty_mesh, keep_together
+from addon.blender.scatter.modifier import ensure_modifier, write_instance_inputs
 from addon.nodes.assets import AUTHOR, LICENSE
 from scripts import ready_shapes as shapes
 from scripts.ready_shapes import Shape

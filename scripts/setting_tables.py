@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the add-on's tables of settings (addon/core/tables.py) into docs/add-on.md.
+"""Writes the add-on's tables of settings (addon/core/settings/tables.py) into docs/add-on.md.
 
 Needs the package, whose options are settings too.
 
@@ -20,10 +20,10 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from addon.core.descriptors import Changes, Kind, Setting  # noqa: E402 - the path is set first
-from addon.core.instance_table import INSTANCES  # noqa: E402
-from addon.core.solver_options import MOTION, SAMPLE, has_own_words  # noqa: E402
-from addon.core.tables import GROUPS  # noqa: E402
+from addon.core.settings.descriptors import Changes, Kind, Setting  # noqa: E402 - the path is set first
+from addon.core.settings.instance_table import INSTANCES  # noqa: E402
+from addon.core.settings.solver_options import MOTION, SAMPLE, has_own_words  # noqa: E402
+from addon.core.settings.tables import GROUPS  # noqa: E402
 
 PAGE = ROOT / "docs/add-on.md"
 BEGIN, END = "<!-- tables of settings -->\n", "<!-- end of the tables -->\n"

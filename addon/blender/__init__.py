@@ -7,52 +7,50 @@ from typing import Any
 
 import bpy
 
-from ..core.worker import end_free_threads
-from . import copies, ui
-from .base import prepared, recent, renders, translation, under_way
+from ..core.base.worker import end_free_threads
+from . import duplicate_addon, main_panel, preferences
+from .add import copied_surfaces, list_operators
+from .add import menu as add_menu
+from .add import operators as add_operators
+from .assets import dropped
+from .assets import library as assets_library
+from .assets import operators as assets_operators
+from .bake import operators as bake_operators
+from .base import jobs, panel_values, recent_objects, renders, translation
 from .command import entry
-from .live import copied, instanced, modifier_tab, placing, watcher
-from .ops import (
-    add_operators,
-    asset_operators,
-    bake_operators,
-    export_operators,
-    keymaps,
-    live_operators,
-    operators,
-    paint_operators,
-    point_operators,
-    point_tool,
-    scatter_operators,
-    subdivision_operators,
-    tile_operators,
-    tools,
-    viewport_operators,
-)
-from .panels import asset_library, collections, pictures, preferences, preset_operators
+from .density import overlay, paint_operators
+from .display import preview, preview_operators
+from .export import operators as export_operators
+from .freshness import freshness, unfinished_bakes
+from .hand_points import keymaps, tool
+from .hand_points import operators as hand_points_operators
+from .object_types import followed_bounds
+from .object_types import operators as object_types_operators
+from .presets import operators as presets_operators
+from .scatter import modifier_tab
 from .settings import properties, updates
-from .status import freshness, workfiles
-from .steps import remembered
-from .viewport import overlay, preview
+from .solve import auto_update, cancel_operators, figure_images, operators, session_solutions
+from .surface import subdivision_operators
+from .tiles import operators as tiles_operators
 
 _WITH_CLASSES: tuple[Any, ...] = (
     *(
         add_operators,
         operators,
-        tile_operators,
+        tiles_operators,
         bake_operators,
-        live_operators,
+        cancel_operators,
         subdivision_operators,
-        viewport_operators,
-        tools,
+        preview_operators,
+        object_types_operators,
         paint_operators,
-        point_operators,
-        point_tool,
-        scatter_operators,
-        asset_operators,
+        hand_points_operators,
+        tool,
+        list_operators,
+        assets_operators,
         export_operators,
     ),
-    *(preset_operators, ui, asset_library, preferences),
+    *(presets_operators, main_panel, assets_library, preferences),
 )
 _CLASSES = tuple(one for module in _WITH_CLASSES for one in module.CLASSES)
 Step = tuple[Callable[[], None], Callable[[], None]]  # what it adds, and what takes that back
@@ -63,22 +61,22 @@ def register() -> None:
 
     Beside another enabled copy of the add-on, wait until that is disabled.
     """
-    if copies.other():
-        copies.wait(_register)
+    if duplicate_addon.other():
+        duplicate_addon.wait(_register)
     else:
         _register()
 
 
 def unregister() -> None:
     """Take back what register added, in reverse, also when some of that fails."""
-    if copies.waits():
-        copies.stop()
+    if duplicate_addon.waits():
+        duplicate_addon.stop()
         return
     with ExitStack() as back:
         back.callback(end_free_threads)
         for _, take_back in _steps():
             back.callback(take_back)
-        back.callback(asset_library.unregister)
+        back.callback(assets_library.unregister)
 
 
 def _register() -> None:
@@ -91,10 +89,27 @@ def _register() -> None:
 
 def _steps() -> list[Step]:
     first: Any = (translation, properties)
-    early: Any = (pictures, prepared, preset_operators, workfiles, freshness, renders, under_way)
-    later: Any = (*early, recent, preview)
-    edge: Any = (keymaps, point_tool, export_operators, entry)
-    last: Any = (overlay, remembered, watcher, placing, modifier_tab, instanced, copied, *edge)
+    early: Any = (
+        figure_images,
+        panel_values,
+        presets_operators,
+        unfinished_bakes,
+        freshness,
+        renders,
+        jobs,
+    )
+    later: Any = (*early, recent_objects, preview)
+    edge: Any = (keymaps, tool, export_operators, entry)
+    last: Any = (
+        overlay,
+        session_solutions,
+        auto_update,
+        dropped,
+        modifier_tab,
+        followed_bounds,
+        copied_surfaces,
+        *edge,
+    )
     return [
         *((module.register, module.unregister) for module in first),
         (_follow_settings, updates.followers.clear),
@@ -104,18 +119,18 @@ def _steps() -> list[Step]:
 
 
 def _follow_settings() -> None:
-    updates.followers[:] = [module.touch for module in (overlay, freshness, watcher, placing)]
+    updates.followers[:] = [module.touch for module in (overlay, freshness, auto_update, dropped)]
 
 
 def _add_classes() -> None:
     for cls in _CLASSES:
         _describe(cls)
         bpy.utils.register_class(cls)
-    bpy.types.VIEW3D_MT_mesh_add.append(collections.draw_add_menu)
+    bpy.types.VIEW3D_MT_mesh_add.append(add_menu.draw_add_menu)
 
 
 def _remove_classes() -> None:
-    bpy.types.VIEW3D_MT_mesh_add.remove(collections.draw_add_menu)
+    bpy.types.VIEW3D_MT_mesh_add.remove(add_menu.draw_add_menu)
     for cls in filter(properties.is_registered, reversed(_CLASSES)):
         bpy.utils.unregister_class(cls)
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .native import package
-from .surface import Floats
+from .base.native import package
+from .surface.arrays import Floats
 
 SIZE = (160, 160)  # rows, columns; icons are square
 _FINER = 3  # drawn so many times larger, then averaged

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from .binding import bound_nearest, samples_of
-from .errors import ScatterError
-from .frames import shaded
-from .native import named, package
-from .records import Binding, Columns, own_random
-from .settings import TileSettings
-from .surface import Floats, Ints, SurfaceArrays
+from .base.errors import ScatterError
+from .base.native import named, package
+from .settings.values import TileSettings
+from .surface.arrays import Floats, Ints, SurfaceArrays
+from .surface.binding import bound_nearest, samples_of
+from .surface.frames import shaded
+from .surface.records import Binding, Columns, own_random
 
 _INSET_STREAM, _COLOR_STREAM = 2, 3  # of own_random
 _HUES = (0.06, 0.53, 0.13, 0.35, 0.90, 0.72)  # of classes, one after another

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..core.frames import LEAST_HEIGHT
+from ..core.surface.frames import LEAST_HEIGHT
 from . import standing
 from .builder import Builder, Socket, new_group
 from .groups import inner
@@ -21,7 +21,7 @@ SHADING = [
 
 def build() -> bpy.types.NodeTree:
     """New group; the vertices V0 to V2, the face corners C0 to C2 there, their weights W0 to W2 and
-    Turn are fields (core/records.py), Hard and Shaded what shading.py says of Unmoved. That is the
+    Turn are fields (core/surface), Hard and Shaded what shading.py says of Unmoved. That is the
     surface in its own space, which Normals turns normals from where Surface is sheared.
     """
     tree = new_group(
@@ -72,7 +72,7 @@ def _weighted(b: Builder, values: list[Socket], weights: list[Socket]) -> Socket
 
 def _ahead(b: Builder, first: Socket, second: Socket, normal: Socket) -> Socket:
     """The first edge turned with the triangle's plane, the shortest way to the normal, but for a
-    multiple of the normal: what stands there is put upright anyway (core/frames.py).
+    multiple of the normal: what stands there is put upright anyway (core/surface/frames.py).
     """
     flat = b.vector("NORMALIZE", b.vector("CROSS_PRODUCT", first, second))
     height = b.number("MAXIMUM", b.number("ADD", _dot(b, flat, normal), 1.0), LEAST_HEIGHT)

@@ -15,7 +15,7 @@ def build() -> bpy.types.NodeTree:
     applied to the normals that are found there.
 
     Faces are divided into so many Parts, equal runs in their order; a place is looked for in its
-    own part (core/rest.py).
+    own part (core/surface/rest.py).
     """
     tree = new_group(
         NAME,

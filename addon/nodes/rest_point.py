@@ -11,7 +11,7 @@ NAME = "Dapple Rest Point"
 
 
 def build() -> bpy.types.NodeTree:
-    """New group; Rest and Ahead are two near places of the rest shape (core/rest.py)."""
+    """New group; Rest and Ahead are two near places of the rest shape (core/surface/rest.py)."""
     tree = new_group(
         NAME,
         [

@@ -13,7 +13,7 @@ _CORNERS = [f"dapple_{kind}{k}" for kind in "vc" for k in range(3)]
 
 
 def build() -> bpy.types.NodeTree:
-    """New group. Each vertex has a place on the surface, as points have (core/records.py), and an
+    """New group. Each vertex has a place on the surface, as points have (core/surface), and an
     offset from it. Tiles stay as they are where the surface has other vertices than they know.
     """
     tree = new_group(

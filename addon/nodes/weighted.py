@@ -2,12 +2,12 @@
 """Node group: instances -> the same, each as often as its weight says.
 
 No node reads numbers from a text, but one counts its letters: a digit is that many letters x, and
-spaces up to its width. core/weights.py writes it.
+spaces up to its width. core/settings/weights.py writes it.
 """
 
 import bpy
 
-from ..core.weights import DIGIT, DIGITS
+from ..core.settings.weights import DIGIT, DIGITS
 from .builder import Builder, Socket, new_group
 
 NAME = "Dapple Weighted"

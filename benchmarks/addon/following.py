@@ -13,10 +13,10 @@ import bpy
 import numpy as np
 
 from addon.blender.base import artist
-from addon.blender.live import watcher
-from addon.blender.steps import keeping, updating
-from addon.core import keep
-from addon.core.steps import Stepper
+from addon.blender.solve import auto_update, updating
+from addon.blender.solve import incremental as solve_incremental
+from addon.core.base.steps import Stepper
+from addon.core.solve import incremental
 
 # Points, faces, object types, seconds that are the goal.
 CASES = (
@@ -37,13 +37,13 @@ def measure_following(sites: int, faces: int, rounds: int, types: int = 1) -> di
     """Median seconds from a stroke until points are shown and all is done, and of its parts."""
     surface = _surface(faces)
     scatter = _scatter(surface, sites, types)
-    watcher.enabled = True
+    auto_update.enabled = True
     taken: dict[str, list[float]] = defaultdict(list)
     for number in range(rounds):
         for name, seconds in _stroke(surface, scatter, number).items():
             taken[name].append(seconds)
-    watcher._leaving()
-    watcher.enabled = False
+    auto_update._leaving()
+    auto_update.enabled = False
     return {name: float(np.median(values)) for name, values in taken.items()}
 
 
@@ -88,7 +88,7 @@ def _stroke(surface: bpy.types.Object, scatter: bpy.types.Object, number: int) -
             wait = _look()
             if "points" not in parts and scatter.dapple.solved_points != before:
                 parts["points"] = time.perf_counter() - begin
-            if not watcher.is_active() and "points" in parts:
+            if not auto_update.is_active() and "points" in parts:
                 break
             time.sleep(min(wait or 0.0, _LIMIT) + _EVENTS)
         parts["all"] = time.perf_counter() - begin
@@ -98,7 +98,7 @@ def _stroke(surface: bpy.types.Object, scatter: bpy.types.Object, number: int) -
 def _look() -> float | None:
     """What Blender does between two events; seconds until the timer is to be called again."""
     bpy.context.view_layer.update()
-    return watcher.tick()
+    return auto_update.tick()
 
 
 @contextmanager
@@ -117,16 +117,16 @@ def _parts() -> Iterator[dict[str, float]]:
     """Seconds of what an update calls, by what it is."""
     parts: dict[str, float] = {}
     timed: list[tuple[Any, str, str]] = [
-        (keep, "kept", "solving"),
-        (keep, "measured", "measuring"),
+        (incremental, "kept", "solving"),
+        (incremental, "measured", "measuring"),
         (updating, "sources_of", "comparing"),
-        (keeping.Update, "write", "writing"),
+        (solve_incremental.Update, "write", "writing"),
         (Stepper, "run_for", "main thread"),
-        (keep, "Ground", "  surface"),
-        (keep, "_relaxed", "  relaxing"),
-        (keep, "_classes_relaxed", "  relaxing"),
-        (keep, "_scattered", "  columns"),
-        (keeping, "before_of", "reading points"),
+        (incremental, "Ground", "  surface"),
+        (incremental, "_relaxed", "  relaxing"),
+        (incremental, "_classes_relaxed", "  relaxing"),
+        (incremental, "_scattered", "  columns"),
+        (solve_incremental, "before_of", "reading points"),
     ]
     kept = [(owner, name, getattr(owner, name)) for owner, name, _ in timed]
     for owner, name, label in timed:

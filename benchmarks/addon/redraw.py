@@ -11,9 +11,9 @@ from typing import Any
 import bpy
 import numpy as np
 
-from addon.blender import ui
-from addon.blender.base import prepared
-from addon.blender.status import freshness
+from addon.blender import main_panel
+from addon.blender.base import panel_values
+from addon.blender.freshness import freshness
 from addon.blender.surface.surface_mesh import read_surface
 from benchmarks.bake.made_up import add_bake, add_scatter
 
@@ -54,7 +54,7 @@ def measure_redraw(sites: int, faces: int, rounds: int) -> dict[str, float]:
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=side, y_subdivisions=side)
     surface = bpy.context.object
     arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
-    freshness.at_once = prepared.at_once = False
+    freshness.at_once = panel_values.at_once = False
     vars(freshness)["is_shown"] = lambda _: True
     freshness._PAUSE = freshness._PATIENCE = 0.0
     taken: dict[str, float] = {}
@@ -78,10 +78,10 @@ def _cases(
 
     _draw()
     freshness.tick()
-    prepared.tick()
+    panel_values.tick()
     found = [
         ("a redraw", _median(_draw, rounds)),
-        ("what the panels ask for", _median(prepared.tick, rounds, _draw)),
+        ("what the panels ask for", _median(panel_values.tick, rounds, _draw)),
     ]
     changes: list[tuple[str, Callable[[], None]]] = [
         ("a look after a setting", setting),
@@ -93,7 +93,7 @@ def _cases(
 
 
 def _draw() -> None:
-    for kind in ui.CLASSES:
+    for kind in main_panel.CLASSES:
         if issubclass(kind, bpy.types.Panel) and getattr(kind, "poll", lambda _: True)(bpy.context):
             panel: Any = types.SimpleNamespace(layout=_Layout())
             kind.draw(panel, bpy.context)

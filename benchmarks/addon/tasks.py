@@ -261,10 +261,10 @@ def scatters() -> list[bpy.types.Object]:
 
 def settled() -> bool:
     """Whether the points are those of what is there now."""
-    live = addon_host.part("blender.live.watcher")
+    live = addon_host.part("blender.solve.auto_update")
     if live.is_active() or hand_of.window().modal_operators or not scatters():
         return False
-    stale = addon_host.part("blender.status.staleness").stale_reason
+    stale = addon_host.part("blender.freshness.staleness").stale_reason
     return not any(stale(obj, bpy.context) or not obj.data.vertices for obj in scatters())
 
 

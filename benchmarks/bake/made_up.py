@@ -8,13 +8,13 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from addon.blender.data.key_writing import write_baked
-from addon.blender.data.store import new_scatter, write_scattered
-from addon.core.binding import bound_to
-from addon.core.keys import Keyframes
-from addon.core.records import Placed
-from addon.core.solve import Report, Scattered, point_columns
-from addon.core.surface import SurfaceArrays
+from addon.blender.scatter.key_writing import write_baked
+from addon.blender.scatter.store import new_scatter, write_scattered
+from addon.core.bake.keys import Keyframes
+from addon.core.solve.solve import Report, Scattered, point_columns
+from addon.core.surface.arrays import SurfaceArrays
+from addon.core.surface.binding import bound_to
+from addon.core.surface.records import Placed
 
 
 def add_scatter(

@@ -12,14 +12,14 @@ import argparse
 import dapple3d as dapple
 import numpy as np
 
-from addon.core.bake import Baker, Start
-from addon.core.binding import binding_of
-from addon.core.frames import Normals, frames, smooth
-from addon.core.keys import Keyframes
-from addon.core.lean import rotations
-from addon.core.records import Placed
-from addon.core.settings import Settings
-from addon.core.surface import SurfaceArrays
+from addon.core.bake.baker import Baker, Start
+from addon.core.bake.keys import Keyframes
+from addon.core.bake.lean import rotations
+from addon.core.settings.values import Settings
+from addon.core.surface.arrays import SurfaceArrays
+from addon.core.surface.binding import binding_of
+from addon.core.surface.frames import Normals, frames, smooth
+from addon.core.surface.records import Placed
 from benchmarks.tracking.animations import GENERATED, Animation
 
 GOAL = 10.0  # degrees a frame

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 import addon
-from addon.blender.data.key_stores import read_baked
+from addon.blender.scatter.key_stores import read_baked
 
 _BEND = 1.5  # radians, in the last frame
 

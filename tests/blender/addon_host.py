@@ -49,7 +49,7 @@ def disable() -> None:
 
 
 def part(name: str):
-    """Module of the extension, such as part("core.frames")."""
+    """Module of the extension, such as part("core.surface.frames")."""
     return importlib.import_module(f"{MODULE}.{name}")
 
 

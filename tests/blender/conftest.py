@@ -85,7 +85,7 @@ def addon():
 def fresh_file(addon):
     """An empty scene, no work files of another test's bakes, and no presets of its."""
     shutil.rmtree(Path(bpy.app.tempdir, "dapple"), ignore_errors=True)
-    shutil.rmtree(addon_host.part("blender.steps.presets").folder(), ignore_errors=True)
+    shutil.rmtree(addon_host.part("blender.presets.stored").folder(), ignore_errors=True)
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 6
 
@@ -111,7 +111,7 @@ def needs_exporter():
     def check(suffix):
         try:
             addon_host.part("blender.export.prototypes").check_installed(suffix)
-        except addon_host.part("core.errors").ScatterError as error:
+        except addon_host.part("core.base.errors").ScatterError as error:
             pytest.skip(str(error))
 
     return check

@@ -9,12 +9,12 @@ import scenes
 
 def reason(obj):
     bpy.context.view_layer.update()
-    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
 def note(obj):
     bpy.context.view_layer.update()
-    return addon_host.part("blender.status.staleness").verdict(obj, bpy.context).note
+    return addon_host.part("blender.freshness.staleness").verdict(obj, bpy.context).note
 
 
 def linked(obj, collection=None):

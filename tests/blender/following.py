@@ -30,17 +30,17 @@ class Clock:
 
     def rest(self):
         """So long that what was changed is worked on."""
-        self.now += 10.0 * addon_host.part("core.schedule").PAUSE
+        self.now += 10.0 * addon_host.part("core.base.schedule").PAUSE
 
 
 @contextmanager
 def driven():
     """Have scatters follow changes; what the tests call is yielded."""
-    watcher = addon_host.part("blender.live.watcher")
+    watcher = addon_host.part("blender.solve.auto_update")
     watcher.enabled = True
     watcher._leaving()
     watcher._state.schedule._clock = clock = Clock()
-    pictures, glance = addon_host.part("blender.live.pictures"), 1.0
+    pictures, glance = addon_host.part("blender.solve.painted_images"), 1.0
     pictures._GLANCE = pictures._RARELY = 0.0  # check at every opportunity
     try:
         yield Driver(watcher, clock)

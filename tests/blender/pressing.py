@@ -15,7 +15,7 @@ _PATIENCE = 120.0  # most seconds for a piece of work
 @contextmanager
 def windowed():
     """Have buttons leave their work to the timer; what the tests call is yielded."""
-    under_way = addon_host.part("blender.base.under_way")
+    under_way = addon_host.part("blender.base.jobs")
     under_way.at_once = False
     try:
         yield Pressing(under_way)
@@ -53,7 +53,7 @@ class Pressing:
             if hasattr(kind, method):
                 setattr(button, method, partial(getattr(kind, method), button))
         button.done = kind.done
-        job = addon_host.part("blender.base.job")
+        job = addon_host.part("blender.base.step_operators")
         return job.StepsOperator.invoke(button, bpy.context, None)
 
     @property

@@ -172,57 +172,59 @@ def subdivided():
     return surface
 
 
+HAND, FACES = "blender.hand_points", "blender.surface.subdivision_operators"
+DENSITY = "blender.density.paint_operators"
 FIRST = {"name": "Sphere Scatter"}
 # Operator, its properties, preparation, and the last step as a module and a name in it.
 CASES = [
-    ("add", {"count": 40}, scenes.sphere, "blender.steps.adding.write_solved"),
-    ("add", {"count": 40}, two_objects, "blender.steps.adding.write_solved"),
-    ("add", {"count": 40}, subdivided, "blender.steps.adding.write_solved"),
-    ("add", {"count": 40}, scenes.sphere, "blender.data.store.write_warning"),
-    ("add_over_collection", {"collection": "Parts"}, of_collection, "blender.steps.adding.apply"),
-    ("surface_from_selected", {}, with_others, "blender.ops.add_operators.put_on_selected"),
-    ("mark_asset", {}, scattered, "blender.ops.asset_operators.marked"),
-    ("mark_asset", {}, baked, "blender.steps.marking.keep_together"),
-    ("place", {"surface": "Sphere"}, asset, "blender.steps.work.write_solved"),
-    ("place", {"surface": "Sphere"}, asset, "blender.steps.placing._fit_classes"),
-    ("bake", {}, scattered, "blender.steps.bake_writing._write_known"),
-    ("bake", {}, baked, "blender.steps.bake_writing._write_known"),
-    ("bake", {}, born, "blender.steps.bake_writing.write_baked"),
-    ("bake", {}, joined, "blender.steps.bake_writing._write_known"),
-    ("clear_bake", {}, baked, "blender.ops.bake_operators.clear_keys"),
-    ("clear_bake", {}, born, "blender.ops.bake_operators.clear_keys"),
-    ("discard_bake", {}, baked, "blender.status.freshness.touch"),
-    ("export", {"filepath": "points.csv"}, scattered, "blender.ops.export_operators.export_points"),
-    ("drop_keys", {"action": "OPTIMIZE"}, baked, "blender.steps.work.write_solved"),
-    ("drop_keys", {"action": "REBIND"}, baked, "blender.steps.remembered.write_own_ids"),
-    ("optimize", {}, scattered, "blender.viewport.preview.solved_anew"),
-    ("optimize", {}, baked, "blender.steps.work.write_solved"),
-    ("optimize", {}, born, "blender.steps.work.write_solved"),
-    ("optimize", {}, joined, "blender.viewport.preview.solved_anew"),
-    ("optimize", {}, to_be_at_rest, "blender.viewport.preview.solved_anew"),
-    ("rebind", {}, scattered, "blender.viewport.preview.solved_anew"),
-    ("rebind", {}, baked, "blender.steps.remembered.write_own_ids"),
-    ("rebind", {}, born, "blender.steps.remembered.write_own_ids"),
-    ("rebind", {}, at_rest, "blender.viewport.preview.solved_anew"),
-    ("tile", {}, scattered, "blender.steps.tiling.write_tiles"),
-    ("tile", {}, tiled, "blender.steps.tiling.write_tiles"),
-    ("edit_points", {}, scattered, "blender.ops.point_operators.begin_editing"),
-    ("edit_points_done", {}, edited, "blender.ops.point_operators.end_editing"),
-    ("place_point", {}, edited, "blender.ops.point_operators.add_vertex"),
-    ("add_point", {"location": (0, 0, 1)}, scattered, "blender.ops.point_operators.add_point"),
-    ("add_point", {"location": (0, 0, 1)}, at_rest, "blender.ops.point_operators.add_point"),
-    ("add_point", {"location": (0, 0, 1)}, two_types, "blender.steps.hand_placed.follow_count"),
-    ("move_point", {"id": 3}, scattered, "blender.ops.point_operators.move_point"),
-    ("remove_point", {"id": 3}, scattered, "blender.ops.point_operators.remove_point"),
-    ("paint_density", {}, scattered, "blender.ops.paint_operators.begin_painting"),
-    ("paint_density", {}, with_group, "blender.ops.paint_operators.begin_painting"),
-    ("paint_blocked", {}, scattered, "blender.ops.paint_operators.begin_painting"),
-    ("paint_done", {}, painted, "blender.ops.paint_operators.end_painting"),
-    ("preview", {}, scattered, "blender.viewport.preview.start"),
-    ("match_subdivision", {}, subdivided, "blender.ops.subdivision_operators.match_subdivision"),
-    ("show_density", {}, scattered, "blender.viewport.overlay.start"),
+    ("add", {"count": 40}, scenes.sphere, "blender.add.steps.write_solved"),
+    ("add", {"count": 40}, two_objects, "blender.add.steps.write_solved"),
+    ("add", {"count": 40}, subdivided, "blender.add.steps.write_solved"),
+    ("add", {"count": 40}, scenes.sphere, "blender.scatter.store.write_warning"),
+    ("add_over_collection", {"collection": "Parts"}, of_collection, "blender.add.steps.apply"),
+    ("surface_from_selected", {}, with_others, "blender.add.operators.put_on_selected"),
+    ("mark_asset", {}, scattered, "blender.assets.operators.marked"),
+    ("mark_asset", {}, baked, "blender.assets.marking.keep_together"),
+    ("place", {"surface": "Sphere"}, asset, "blender.solve.optimize.write_solved"),
+    ("place", {"surface": "Sphere"}, asset, "blender.assets.placing._fit_classes"),
+    ("bake", {}, scattered, "blender.bake.writing._write_known"),
+    ("bake", {}, baked, "blender.bake.writing._write_known"),
+    ("bake", {}, born, "blender.bake.writing.write_baked"),
+    ("bake", {}, joined, "blender.bake.writing._write_known"),
+    ("clear_bake", {}, baked, "blender.bake.operators.clear_keys"),
+    ("clear_bake", {}, born, "blender.bake.operators.clear_keys"),
+    ("discard_bake", {}, baked, "blender.freshness.freshness.touch"),
+    ("export", {"filepath": "points.csv"}, scattered, "blender.export.operators.export_points"),
+    ("drop_keys", {"action": "OPTIMIZE"}, baked, "blender.solve.optimize.write_solved"),
+    ("drop_keys", {"action": "REBIND"}, baked, "blender.solve.session_solutions.write_own_ids"),
+    ("optimize", {}, scattered, "blender.display.preview.solved_anew"),
+    ("optimize", {}, baked, "blender.solve.optimize.write_solved"),
+    ("optimize", {}, born, "blender.solve.optimize.write_solved"),
+    ("optimize", {}, joined, "blender.display.preview.solved_anew"),
+    ("optimize", {}, to_be_at_rest, "blender.display.preview.solved_anew"),
+    ("rebind", {}, scattered, "blender.display.preview.solved_anew"),
+    ("rebind", {}, baked, "blender.solve.session_solutions.write_own_ids"),
+    ("rebind", {}, born, "blender.solve.session_solutions.write_own_ids"),
+    ("rebind", {}, at_rest, "blender.display.preview.solved_anew"),
+    ("tile", {}, scattered, "blender.tiles.steps.write_tiles"),
+    ("tile", {}, tiled, "blender.tiles.steps.write_tiles"),
+    ("edit_points", {}, scattered, f"{HAND}.operators.begin_editing"),
+    ("edit_points_done", {}, edited, f"{HAND}.operators.end_editing"),
+    ("place_point", {}, edited, f"{HAND}.operators.add_vertex"),
+    ("add_point", {"location": (0, 0, 1)}, scattered, f"{HAND}.operators.add_point"),
+    ("add_point", {"location": (0, 0, 1)}, at_rest, f"{HAND}.operators.add_point"),
+    ("add_point", {"location": (0, 0, 1)}, two_types, f"{HAND}.hand_placed.follow_count"),
+    ("move_point", {"id": 3}, scattered, f"{HAND}.operators.move_point"),
+    ("remove_point", {"id": 3}, scattered, f"{HAND}.operators.remove_point"),
+    ("paint_density", {}, scattered, f"{DENSITY}.begin_painting"),
+    ("paint_density", {}, with_group, f"{DENSITY}.begin_painting"),
+    ("paint_blocked", {}, scattered, f"{DENSITY}.begin_painting"),
+    ("paint_done", {}, painted, f"{DENSITY}.end_painting"),
+    ("preview", {}, scattered, "blender.display.preview.start"),
+    ("match_subdivision", {}, subdivided, f"{FACES}.match_subdivision"),
+    ("show_density", {}, scattered, "blender.density.overlay.start"),
     *(
-        ("edit_classes", {"action": action}, made, "blender.ops.tools.change_classes")
+        ("edit_classes", {"action": action}, made, "blender.object_types.operators.change_classes")
         for action in ("ADD", "REMOVE", "UP", "DOWN")
         for made in (scattered, two_types)
     ),
@@ -230,20 +232,20 @@ CASES = [
         "add_material",
         {"material": "Grass"},
         with_material,
-        "blender.ops.paint_operators.by_full_name",
+        f"{DENSITY}.by_full_name",
     ),
-    ("remove_material", {"index": 0}, of_material, "blender.ops.paint_operators.settings_changed"),
-    ("lock", {"every": True}, scattered, "blender.ops.point_operators.lock_points"),
-    ("select_overlap", {}, touching, "blender.ops.tools.select_overlap"),
-    ("select_scatter", FIRST, two_scatters, "blender.ops.scatter_operators.activate"),
-    ("select_surface", {}, two_scatters, "blender.ops.scatter_operators.activate"),
-    ("solo_scatter", {}, two_scatters, "blender.ops.scatter_operators.show_solo"),
-    ("copy_scatter", {}, baked, "blender.ops.scatter_operators.copied"),
-    ("remove_scatter", {}, baked, "blender.ops.scatter_operators.remove"),
-    ("remove_scatter", {}, born, "blender.ops.scatter_operators.remove"),
-    ("save_preset", {"name": "Other"}, scattered, "core.presets.store"),
-    ("load_preset", {"name": "Failing"}, saved, "blender.panels.preset_operators.apply"),
-    ("remove_preset", {"name": "Failing"}, saved, "core.presets.remove"),
+    ("remove_material", {"index": 0}, of_material, f"{DENSITY}.settings_changed"),
+    ("lock", {"every": True}, scattered, f"{HAND}.operators.lock_points"),
+    ("select_overlap", {}, touching, "blender.object_types.operators.select_overlap"),
+    ("select_scatter", FIRST, two_scatters, "blender.add.list_operators.activate"),
+    ("select_surface", {}, two_scatters, "blender.add.list_operators.activate"),
+    ("solo_scatter", {}, two_scatters, "blender.add.list_operators.show_solo"),
+    ("copy_scatter", {}, baked, "blender.add.list_operators.copied"),
+    ("remove_scatter", {}, baked, "blender.add.list_operators.remove"),
+    ("remove_scatter", {}, born, "blender.add.list_operators.remove"),
+    ("save_preset", {"name": "Other"}, scattered, "core.settings.presets.store"),
+    ("load_preset", {"name": "Failing"}, saved, "blender.presets.operators.apply"),
+    ("remove_preset", {"name": "Failing"}, saved, "core.settings.presets.remove"),
 ]  # fmt: skip
 APART = {
     "pull_point": "needs a mouse; test_single_points.py",
@@ -277,7 +279,7 @@ def failing(monkeypatch, path, error):
 
 
 def wrong():
-    return addon_host.part("core.errors").ScatterError("The last step failed")
+    return addon_host.part("core.base.errors").ScatterError("The last step failed")
 
 
 ERRORS = {
@@ -307,7 +309,7 @@ def test_the_last_step_fails(case, foreseen, monkeypatch, tmp_path, capfd):
         undone = whole_file.differences(before)
     finally:
         monkeypatch.undo()
-        addon_host.part("blender.viewport.overlay").stop()
+        addon_host.part("blender.density.overlay").stop()
     assert len(steps) == 1
     assert str(raised.value).endswith(words)
     assert "Traceback" not in str(raised.value)
@@ -323,7 +325,7 @@ def works_then(name, properties):
     assert getattr(bpy.ops.dapple, name)(**properties) == {"FINISHED"}
     if name == "preview":
         bpy.ops.dapple.preview()
-    addon_host.part("blender.viewport.overlay").stop()
+    addon_host.part("blender.density.overlay").stop()
 
 
 def flat(obj):
@@ -416,8 +418,8 @@ def test_scales_and_places_that_cannot_be(case, made, spoil, tmp_path):
     else:
         works(name, obj, count)
     finally:
-        addon_host.part("blender.viewport.overlay").stop()
-        previews = addon_host.part("blender.viewport.preview")._state.previews
+        addon_host.part("blender.density.overlay").stop()
+        previews = addon_host.part("blender.display.preview")._state.previews
         if previews:
             bpy.ops.dapple.preview()
             assert not previews
@@ -486,7 +488,7 @@ def test_while_points_are_edited_or_the_scatter_is_hidden(case, made, way, tmp_p
         assert said.count("\n") == 1
         assert whole_file.differences(before) == {}
     finally:
-        addon_host.part("blender.viewport.overlay").stop()
+        addon_host.part("blender.density.overlay").stop()
 
 
 def test_a_confirmed_deletion_of_a_bake_that_fails_keeps_the_bake():

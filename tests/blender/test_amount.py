@@ -55,7 +55,7 @@ def test_classes_share_the_points_per_area():
         bpy.ops.dapple.edit_classes(action="ADD")
         obj.dapple.classes[-1].share = share
     assert per_area(obj, 25.0) == 100
-    meshio = addon_host.part("blender.base.meshio")
+    meshio = addon_host.part("blender.base.mesh_arrays")
     kinds = meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
     assert np.bincount(kinds).tolist() == [75, 25]
 
@@ -84,7 +84,7 @@ def test_qualities_go_from_natural_to_honeycomb():
 def test_natural_is_the_default_and_draft_takes_fewer_steps():
     obj = scenes.scattered(plane(2.0), count=400)
     natural = obj.dapple.report.evaluations
-    reason = addon_host.part("blender.data.scatter").settings_reason
+    reason = addon_host.part("blender.scatter.object").settings_reason
     obj.dapple.quality = "NATURAL"
     assert reason(obj) == ""
     obj.dapple.quality = "DRAFT"

@@ -335,7 +335,7 @@ def test_the_same_assets_are_the_same_bytes(assets, tmp_path):
 @pytest.fixture
 def library(monkeypatch, assets):
     """The module, in an add-on whose folder has the assets; the preferences stay as they were."""
-    module = addon_host.part("blender.panels.asset_library")
+    module = addon_host.part("blender.assets.library")
     monkeypatch.setattr(module, "FOLDER", assets.parent)
     yield module
     module.remove()
@@ -349,7 +349,7 @@ def drawn(**settings):
     shown = []
     preferences = types.SimpleNamespace(layout=Layout(shown), bl_rna=None, **settings)
     preferences.layout.prop = lambda data, name, **_: shown.append(name)
-    preferred = addon_host.part("blender.panels.preferences")
+    preferred = addon_host.part("blender.preferences")
     preferred.DAPPLE_AP_preferences.draw(preferences, bpy.context)
     return shown
 
@@ -380,7 +380,7 @@ def test_without_the_file_the_button_says_why(library, tmp_path, monkeypatch):
 
 @pytest.mark.skipif(not addon_host.TESTED_ZIP, reason="a checkout has no assets")
 def test_what_is_installed_has_the_file():
-    module, before = addon_host.part("blender.panels.asset_library"), libraries()
+    module, before = addon_host.part("blender.assets.library"), libraries()
     assert bpy.ops.dapple.add_asset_library() == {"FINISHED"}
     (added,) = set(libraries()) - set(before)
     module.remove()

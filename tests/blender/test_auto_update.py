@@ -73,7 +73,7 @@ def test_nothing_is_read_before_the_changes_rest(live, obj):
     live.settle()
     for count in range(61, 70):
         obj.dapple.count = count
-        live.clock.now += 0.5 * addon_host.part("core.schedule").PAUSE
+        live.clock.now += 0.5 * addon_host.part("core.base.schedule").PAUSE
         live.look()
         assert live.watcher._state.job is None
         assert live.watcher.progress(obj) == 0.0
@@ -92,7 +92,7 @@ def grown_and_followed(live, obj):
 @pytest.mark.parametrize("held", [True, False])
 def test_no_pause_follows_a_stroke_or_a_move_that_has_ended(live, obj, held, monkeypatch):
     group = grown_and_followed(live, obj)
-    monkeypatch.setattr(addon_host.part("blender.live.changes"), "is_using_tool", lambda: True)
+    monkeypatch.setattr(addon_host.part("blender.solve.changes"), "is_using_tool", lambda: True)
     if held:  # like a brush stroke
         monkeypatch.setattr(live.watcher, "is_held", lambda: True)
     for first in range(0, 60, 20):
@@ -110,7 +110,7 @@ def test_no_pause_follows_an_operator_that_has_ended(live, obj, monkeypatch):
     group = grown_and_followed(live, obj)
     group.add(range(30), 0.0, "REPLACE")
     obj.dapple.surface.data.update()
-    monkeypatch.setattr(addon_host.part("blender.live.changes"), "last_operator", lambda: 7)
+    monkeypatch.setattr(addon_host.part("blender.solve.changes"), "last_operator", lambda: 7)
     live.look()
     assert live.watcher._state.job is not None
     followed(live, obj)
@@ -165,7 +165,7 @@ def test_what_is_avoided_and_the_camera_are_followed(live, obj):
 
 def test_what_it_writes_itself_does_not_begin_it_anew_under_a_camera(live, obj, monkeypatch):
     """A look while the figures are measured finds the points written, and the scene with them."""
-    keep = addon_host.part("core.keep")
+    keep = addon_host.part("core.solve.incremental")
     measured = keep.measured
     monkeypatch.setattr(keep, "measured", lambda *now: (time.sleep(0.05), measured(*now))[1])
     camera = viewed()
@@ -359,7 +359,7 @@ def test_the_list_of_object_types_is_followed(live, obj, action):
 def test_in_background_mode_nothing_follows(obj):
     obj.dapple.count = 70
     bpy.context.view_layer.update()
-    watcher = addon_host.part("blender.live.watcher")
+    watcher = addon_host.part("blender.solve.auto_update")
     assert not watcher.is_active()
     assert watcher.tick() is None
     assert not watcher._state.changes.any_noted()

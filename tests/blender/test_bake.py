@@ -14,7 +14,7 @@ FRAMES = 6
 def tracked(monkeypatch):
     """Every result of the tracker during the test's bakes."""
     seen = []
-    baker = addon_host.part("core.bake").Baker
+    baker = addon_host.part("core.bake.baker").Baker
     advance = baker.advance
 
     def noting(self, context):
@@ -41,7 +41,7 @@ def at(frame, subframe=0.0):
 
 
 def read_baked(obj):
-    return addon_host.part("blender.data.key_stores").read_baked(obj)
+    return addon_host.part("blender.scatter.key_stores").read_baked(obj)
 
 
 def key_rows(obj):
@@ -120,7 +120,7 @@ def test_keys_every_few_frames_play_and_their_error_is_told(tracked):
     assert report.key_error_max == pytest.approx(np.max(apart), rel=1e-3)
     assert report.key_error_mean == pytest.approx(np.mean(apart), rel=1e-3)
     assert report.key_error_max > 1e-3
-    line = addon_host.part("blender.panels.results").baked_line(obj)
+    line = addon_host.part("blender.solve.results_panel").baked_line(obj)
     assert line.startswith("Baked: frames 1 to 6, 3 keyframes; between them points are off by ")
 
 
@@ -248,9 +248,9 @@ def test_a_topology_that_changes_is_bound_again_when_asked(every):
     table = read_baked(obj).frames
     assert table["dapple_vertices"].tolist() == [410, 410, 410, 1634, 1634, 1634]
     assert table["dapple_span"][2] == 0  # nothing is interpolated across the change
-    dapple, before = addon_host.part("core.native").package(), None
+    dapple, before = addon_host.part("core.base.native").package(), None
     reading = addon_host.part("blender.surface.surface_mesh")
-    staleness = addon_host.part("blender.status.staleness")
+    staleness = addon_host.part("blender.freshness.staleness")
     for frame in np.arange(1.0, FRAMES + 0.1, 0.25):
         at(int(frame), frame % 1.0)
         shown = scenes.positions(obj)
@@ -272,7 +272,7 @@ def test_an_interrupted_bake_over_a_change_of_topology_gives_the_same_bytes(tmp_
     obj.dapple.on_topology_change = "REBIND"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     expected = read_baked(obj)
-    files = addon_host.part("blender.status.workfiles").work_files(obj)
+    files = addon_host.part("blender.freshness.unfinished_bakes").work_files(obj)
     for frame in (5, 6):
         files.path(frame).unlink()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
@@ -322,8 +322,8 @@ def test_an_empty_range_is_refused():
     scene = bpy.context.scene
     scene.frame_end, scene.frame_start = 2, 2
     scene.frame_preview_start = 1
-    baking, steps = addon_host.part("blender.steps.baking"), addon_host.part("core.steps")
-    errors = addon_host.part("core.errors")
+    baking, steps = addon_host.part("blender.bake.steps"), addon_host.part("core.base.steps")
+    errors = addon_host.part("core.base.errors")
     with pytest.raises(errors.ScatterError, match="frame range is empty: 5 to 4"):
         steps.run_now(baking.bake_steps(bpy.context, 5, 4))
 
@@ -338,9 +338,9 @@ def test_a_quad_that_is_cut_the_other_way_keeps_its_points():
     surface = scenes.tail()
     obj = scenes.scattered(surface)
     reading = addon_host.part("blender.surface.surface_mesh")
-    binding = addon_host.part("core.binding")
-    points = addon_host.part("blender.data.points")
-    dapple = addon_host.part("core.native").package()
+    binding = addon_host.part("core.surface.binding")
+    points = addon_host.part("blender.scatter.points")
+    dapple = addon_host.part("core.base.native").package()
     arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
     stored, columns = points.read_binding(obj, len(arrays.vertices))
     quads = [polygon.vertices[:] for polygon in evaluated_polygons(surface)]
@@ -407,14 +407,14 @@ def test_frames_solved_in_pieces_move_more_smoothly(smoothing, monkeypatch):
 
 def in_pieces(monkeypatch):
     """Have frames solved together in pieces of three, of which one overlaps the next."""
-    together = addon_host.part("core.together")
+    together = addon_host.part("core.bake.window_bake")
     monkeypatch.setattr(together, "PIECE", 3)
     monkeypatch.setattr(together, "OVERLAP", 1)
 
 
 def test_a_bake_in_pieces_holds_no_more_than_two(monkeypatch):
     in_pieces(monkeypatch)
-    together, held = addon_host.part("core.together").TogetherBaker, []
+    together, held = addon_host.part("core.bake.window_bake").TogetherBaker, []
     take = together.take
 
     def noting(self):
@@ -438,7 +438,7 @@ def test_frames_solved_together_are_those_of_one_topology():
     add_array(surface)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert obj.dapple.baked_keys == FRAMES
-    counts = addon_host.part("blender.data.key_stores").read_baked(obj).frames["dapple_vertices"]
+    counts = addon_host.part("blender.scatter.key_stores").read_baked(obj).frames["dapple_vertices"]
     assert len(set(counts[:3].tolist())) == len(set(counts[3:].tolist())) == 1
     assert counts[2] < counts[3]
 
@@ -503,9 +503,9 @@ def test_fitted_instances_just_touch_on_every_frame(population):
 
 def test_keys_hold_rooms_only_where_instances_are_fitted():
     _, obj = baked()
-    keys = addon_host.part("blender.data.key_stores").stored_object(obj, "Keys")
+    keys = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys")
     assert "dapple_room" not in keys.data.attributes
     obj.dapple.fit = 0.5
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    keys = addon_host.part("blender.data.key_stores").stored_object(obj, "Keys")
+    keys = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys")
     assert "dapple_room" in keys.data.attributes

@@ -67,7 +67,7 @@ def area(surface):
     arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
     if not len(arrays.faces):
         return 0.0
-    return addon_host.part("core.native").package().Surface(arrays.vertices, arrays.faces).area
+    return addon_host.part("core.base.native").package().Surface(arrays.vertices, arrays.faces).area
 
 
 def shown(obj, frame, subframe=0.0):
@@ -77,7 +77,7 @@ def shown(obj, frame, subframe=0.0):
 
 
 def stale(obj):
-    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
 def density_kept(surface, obj, bare, last, count=120):
@@ -178,7 +178,7 @@ def test_every_third_frame_as_a_key():
 @pytest.mark.parametrize("kept", [1, 4, 6, 9])
 def test_a_stopped_bake_goes_on_to_the_same_bytes(gap, kept, tmp_path):
     _, obj = flickering(GAPS[gap])
-    files = addon_host.part("blender.status.workfiles").work_files(obj)
+    files = addon_host.part("blender.freshness.unfinished_bakes").work_files(obj)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     whole = packed(obj)
     assert files.frames() == 10
@@ -186,13 +186,13 @@ def test_a_stopped_bake_goes_on_to_the_same_bytes(gap, kept, tmp_path):
         (tmp_path / path.name).write_bytes(path.read_bytes())
     assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
     assert files.frames() == 0
-    addon_host.part("core.sidecar").Sidecar(tmp_path).move(files.folder)
+    addon_host.part("core.bake.sidecar").Sidecar(tmp_path).move(files.folder)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert packed(obj) == whole
 
 
 def packed(obj):
-    stored = addon_host.part("blender.data.key_stores").read_baked(obj)
+    stored = addon_host.part("blender.scatter.key_stores").read_baked(obj)
     columns = {**stored.keys, **stored.triangles, **stored.frames}
     ids = [one.value for one in obj.data.attributes["id"].data]
     return {name: values.tobytes() for name, values in columns.items()} | {"ids": ids}
@@ -200,7 +200,7 @@ def packed(obj):
 
 def test_the_files_of_a_bake_that_ends_without_faces_are_finished():
     _, obj = flickering(GAPS["last"])
-    workfiles = addon_host.part("blender.status.workfiles")
+    workfiles = addon_host.part("blender.freshness.unfinished_bakes")
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert len(workfiles.finished_files(obj)) == 1
     assert workfiles.unfinished(obj) == 0
@@ -366,7 +366,7 @@ def test_a_stopped_bake_goes_on_where_faces_are_cut():
     obj.dapple.density.obstacles = stones
     scenes._activate(obj)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
-    files = addon_host.part("blender.status.workfiles").work_files(obj)
+    files = addon_host.part("blender.freshness.unfinished_bakes").work_files(obj)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     whole = packed(obj)
     for kept in (4, 5, 6, 9):

@@ -27,7 +27,7 @@ def solid(name, location=(0.0, 0.0, 0.0)):
 
 
 def classes_of(obj):
-    meshio = addon_host.part("blender.base.meshio")
+    meshio = addon_host.part("blender.base.mesh_arrays")
     return meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
 
 
@@ -43,9 +43,9 @@ def shown(obj):
 
 
 def counts(*kinds, count=100):
-    settings = addon_host.part("core.settings")
+    settings = addon_host.part("core.settings.values")
     classes = tuple(settings.ClassSettings(**kind) for kind in kinds)
-    return addon_host.part("core.kinds").class_counts(
+    return addon_host.part("core.solve.class_counts").class_counts(
         settings.Settings(count=count, classes=classes)
     )
 
@@ -60,7 +60,7 @@ def test_shares_are_met_by_largest_remainders():
 
 
 def test_counts_that_cannot_be_are_refused():
-    error = addon_host.part("core.errors").ScatterError
+    error = addon_host.part("core.base.errors").ScatterError
     with pytest.raises(error, match="add up to 120 points, Count is 100"):
         counts({"count": 120}, {"share": 1})
     with pytest.raises(error, match="60 points have no object type: all weights are 0"):
@@ -220,7 +220,7 @@ def test_the_list_is_edited_and_the_node_group_follows():
 
 
 def test_changed_classes_are_stale():
-    stale = addon_host.part("blender.data.scatter").settings_reason
+    stale = addon_host.part("blender.scatter.object").settings_reason
     obj = with_classes(scenes.sphere(), {"share": 1.0}, {"share": 1.0})
     assert stale(obj) == ""
     obj.dapple.classes[0].share = 2.0
@@ -245,7 +245,7 @@ def test_a_bake_keeps_classes_even_and_survives_another_class():
 def variation(surface, points):
     """Of the areas of points on a surface as it is now."""
     read = addon_host.part("blender.surface.surface_mesh").read_surface
-    dapple = addon_host.part("core.native").package()
+    dapple = addon_host.part("core.base.native").package()
     arrays = read(surface, bpy.context.evaluated_depsgraph_get())
     native = dapple.Surface(arrays.vertices, arrays.faces)
     closest = dapple.project(native, points)
@@ -347,7 +347,7 @@ def test_an_overlap_of_points_that_were_deleted_is_said_or_found_by_their_ids():
 
 
 def test_counts_of_classes_are_told_for_points_per_area():
-    labels = addon_host.part("blender.steps.classes").count_labels
+    labels = addon_host.part("blender.object_types.classes").count_labels
     obj = with_classes(scenes.sphere(), {"share": 2.0}, {"share": 1.0}, count=60)
     obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", 20.0
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
@@ -364,7 +364,7 @@ def test_counts_of_classes_are_told_for_points_per_area():
 
 
 def test_counts_of_classes_are_those_of_the_points_that_are_there():
-    labels = addon_host.part("blender.steps.classes").count_labels
+    labels = addon_host.part("blender.object_types.classes").count_labels
     obj = with_classes(scenes.sphere(), {"share": 2.0}, {"share": 1.0}, count=60)
     assert labels(obj) == ["40", "20"]
     edited = bmesh.new()

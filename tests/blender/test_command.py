@@ -44,7 +44,7 @@ def opened(path):
 
 
 def packed(obj):
-    stored = addon_host.part("blender.data.key_stores").read_baked(obj)
+    stored = addon_host.part("blender.scatter.key_stores").read_baked(obj)
     columns = {**stored.keys, **stored.triangles, **stored.frames}
     return {name: values.tobytes() for name, values in columns.items()}
 
@@ -257,7 +257,7 @@ def test_what_cannot_be_exported_is_told(path, capfd, arguments, code, words):
 
 
 def test_a_file_that_another_program_has_saved_is_not_overwritten(path, capfd, monkeypatch):
-    baking = addon_host.part("blender.steps.baking")
+    baking = addon_host.part("blender.bake.steps")
     write = baking.write_bake
 
     def write_late(*arguments):
@@ -272,13 +272,15 @@ def test_a_file_that_another_program_has_saved_is_not_overwritten(path, capfd, m
 
 
 def test_a_file_that_cannot_be_saved_stays(path, capfd, monkeypatch):
-    before, whole = path.read_bytes(), addon_host.part("core.whole")
+    before, whole = path.read_bytes(), addon_host.part("core.base.atomic_file")
 
     def full(*_):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(whole, "_sync", full)
-    monkeypatch.setattr(addon_host.part("core.sidecar").Sidecar, "store", lambda *_, **__: None)
+    monkeypatch.setattr(
+        addon_host.part("core.bake.sidecar").Sidecar, "store", lambda *_, **__: None
+    )
     assert command("bake") == 1
     assert "could not be saved: [Errno 28] No space left on device" in capfd.readouterr().err
     assert path.read_bytes() == before
@@ -297,7 +299,7 @@ def test_frames_that_cannot_be_kept_are_a_warning(path, tmp_path, capfd):
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
 def test_a_signal_stops_and_the_next_run_goes_on(path, tmp_path, monkeypatch, number, code):
     before, kept = path.read_bytes(), 2
-    sidecar = addon_host.part("core.sidecar").Sidecar
+    sidecar = addon_host.part("core.bake.sidecar").Sidecar
     store = sidecar.store
 
     def signaled(self, frame, *rest, **places):
@@ -323,7 +325,7 @@ def test_a_signal_stops_and_the_next_run_goes_on(path, tmp_path, monkeypatch, nu
 
 def test_a_signal_keeps_what_is_done(tmp_path, monkeypatch):
     path = shot(tmp_path / "shot.blend", "Leaves", "Scales")
-    sidecar = addon_host.part("core.sidecar").Sidecar
+    sidecar = addon_host.part("core.bake.sidecar").Sidecar
     store = sidecar.store
 
     def signaled(self, *arguments, **places):
@@ -352,7 +354,7 @@ from pathlib import Path
 import addon_host
 addon_host.add_repository(Path(arguments[1]))
 addon_host.enable()
-whole = addon_host.part("core.whole")
+whole = addon_host.part("core.base.atomic_file")
 sync = whole._sync
 
 def killed(path, flags):

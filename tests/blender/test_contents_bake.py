@@ -145,8 +145,8 @@ def test_keys_with_bad_indices_are_said(damage, said):
 
 
 def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
-    baking, steps = addon_host.part("blender.steps.baking"), addon_host.part("core.steps")
-    package = addon_host.part("core.native").package()
+    baking, steps = addon_host.part("blender.bake.steps"), addon_host.part("core.base.steps")
+    package = addon_host.part("core.base.native").package()
     surface, found = scenes.tail(frames=4), []
     for stopped in (False, True):
         obj = scenes.scattered(surface)
@@ -159,12 +159,12 @@ def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
             going.close()
             assert (len(obj.data.vertices), obj.dapple.baked_keys) == (60, 0)
             assert reason(obj) == "Settings were changed (Count): optimize again"
-            assert addon_host.part("blender.status.workfiles").unfinished(obj) == 2
+            assert addon_host.part("blender.freshness.unfinished_bakes").unfinished(obj) == 2
         baker = steps.run_now(baking.bake_steps(bpy.context, 1, 4))
         assert baker.taken == (2 if stopped else 0)
         assert baker.anew == "Settings were changed (Count)"
         assert reason(obj) == ""
-        found.append(addon_host.part("blender.data.key_stores").read_baked(obj))
+        found.append(addon_host.part("blender.scatter.key_stores").read_baked(obj))
     for name in ("keys", "triangles", "frames"):
         for column, values in getattr(found[0], name).items():
             assert getattr(found[1], name)[column].tobytes() == values.tobytes()

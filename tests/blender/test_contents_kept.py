@@ -108,11 +108,14 @@ def test_on_another_frame_what_moves_is_no_change():
 
 @pytest.mark.parametrize("seen", range(3))
 def test_every_vertex_counts_in_a_large_surface(seen):
-    sources, surface = addon_host.part("core.sources"), addon_host.part("core.surface")
+    sources, surface = (
+        addon_host.part("core.surface.sources"),
+        addon_host.part("core.surface.arrays"),
+    )
     random = np.random.Generator(np.random.PCG64(seen))
     vertices = random.normal(size=(50_001, 3))
     none = np.empty((0, 3), dtype=np.int32)
-    settings = addon_host.part("core.settings").Settings()
+    settings = addon_host.part("core.settings.values").Settings()
     before = sources.sources_of(surface.SurfaceArrays("Any", vertices, none, "t"), settings)
     before = sources.sources_from(before.text())
     vertices[random.integers(len(vertices))] += 0.01

@@ -176,7 +176,7 @@ def test_tiles_are_written_over_nothing_else():
 
 
 def test_a_preview_is_not_shared_with_a_copy():
-    preview = addon_host.part("blender.viewport.preview")
+    preview = addon_host.part("blender.display.preview")
     obj = scenes.scattered(scenes.tail(frames=8))
     obj.dapple.preview_budget = 60_000
     assert bpy.ops.dapple.preview() == {"FINISHED"}

@@ -132,7 +132,7 @@ def test_points_carry_their_density():
     surface = with_attribute(scenes.sphere(), "Grass", heights(scenes.sphere()))
     obj = scenes.scattered(surface, count=200)
     found = optimized(obj, attribute="Grass")
-    meshio = addon_host.part("blender.base.meshio")
+    meshio = addon_host.part("blender.base.mesh_arrays")
     own = meshio.read_columns(obj.data, {"dapple_density": "FLOAT"})["dapple_density"]
     assert np.allclose(own, (found[:, 2] + 1.0) / 2.0, atol=0.03)
 
@@ -146,7 +146,7 @@ def test_each_class_has_a_density_of_its_own():
         bpy.ops.dapple.edit_classes(action="ADD")
         obj.dapple.classes[-1].density = name
     found = optimized(obj)
-    meshio = addon_host.part("blender.base.meshio")
+    meshio = addon_host.part("blender.base.mesh_arrays")
     kinds = meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
     assert found[kinds == 0, 2].min() > -0.1
     assert found[kinds == 1, 2].max() < 0.1
@@ -173,7 +173,7 @@ def test_a_bake_keeps_to_the_density():
 
 
 def test_a_changed_density_is_stale_and_undone_is_fresh():
-    stale = addon_host.part("blender.data.scatter").settings_reason
+    stale = addon_host.part("blender.scatter.object").settings_reason
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.density.curvature = 0.5
     assert stale(obj) == "Settings were changed (Density): optimize again"
@@ -204,7 +204,7 @@ def test_a_density_that_cannot_be_is_refused_and_nothing_is_lost(values, said):
 
 
 def test_names_are_suggested():
-    weights = addon_host.part("blender.surface.weights")
+    weights = addon_host.part("blender.surface.values")
     surface = scenes.sphere()
     surface.vertex_groups.new(name="Fur")
     with_attribute(surface, "Grass", heights(surface))

@@ -65,7 +65,7 @@ def test_every_operator_and_property_is_told():
     groups = {"": scenes.scattered(scenes.sphere()).dapple}
     groups["density."], groups["tiles."] = groups[""].density, groups[""].tiles
     internal = {"rna_type", "name", "classes", "class_index", "density", "tiles", "report"}
-    options = addon_host.part("core.settings").Settings().sample_options()
+    options = addon_host.part("core.settings.values").Settings().sample_options()
     stored = ("surface", "baked", "bound", "solved", "bake_fingerprint", "preview_budget")
     for prefix, group in groups.items():
         for name in set(group.bl_rna.properties.keys()) - internal:

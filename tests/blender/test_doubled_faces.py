@@ -46,7 +46,7 @@ def test_a_doubled_cube_gets_as_many_points_as_another(addon, again):
     bpy.ops.object.join()
     scatter = scattered(cube, 1200)
     assert scatter.dapple.report.doubled_faces == 12
-    lines = addon.blender.panels.results.result_lines(scatter, bpy.context)
+    lines = addon.blender.solve.results_panel.result_lines(scatter, bpy.context)
     assert ("12 doubled faces count once", "INFO") in lines
     assert abs(np.count_nonzero(scenes.positions(scatter)[:, 0] < 2.5) - 600) <= 1
 

@@ -42,11 +42,11 @@ def all_deleted(mesh, points):
 
 
 def reason(obj):
-    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
 def columns(obj):
-    return addon_host.part("blender.data.points").point_columns_of(obj)
+    return addon_host.part("blender.scatter.points").point_columns_of(obj)
 
 
 def test_after_deleting_points_all_goes_on(obj):

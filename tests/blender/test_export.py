@@ -143,7 +143,7 @@ def test_what_blenders_exporter_refuses_is_told(tmp_path, trees, monkeypatch):
         raise KeyError("unknown node")
 
     monkeypatch.setattr("io_scene_gltf2.blender.exp.export.save", failing)
-    error = addon_host.part("core.errors").ScatterError
+    error = addon_host.part("core.base.errors").ScatterError
     with pytest.raises(error, match="glTF exporter failed: KeyError: 'unknown node'"):
         part("points").export_points(tmp_path / "trees.glb", [trees])
     assert not list(tmp_path.iterdir())
@@ -194,7 +194,9 @@ def test_pictures_of_materials_come_along(tmp_path, monkeypatch, packed):
     assert "@./thing_textures/Bark.png@" in (tmp_path / "thing.usda").read_text()
     assert (tmp_path / "thing_textures/Bark.png").read_bytes().startswith(b"\x89PNG")
     (tmp_path / "full_textures").write_text("a file")
-    with pytest.raises(addon_host.part("core.errors").ScatterError, match="full_textures' could"):
+    with pytest.raises(
+        addon_host.part("core.base.errors").ScatterError, match="full_textures' could"
+    ):
         part("points").export_points("full.usda", [obj])
     assert not (tmp_path / "full.usda").exists()
 
@@ -295,7 +297,7 @@ def test_nothing_is_left_behind(tmp_path, trees):
 
 
 def test_what_cannot_be_exported_is_said(tmp_path, trees):
-    error = addon_host.part("core.errors").ScatterError
+    error = addon_host.part("core.base.errors").ScatterError
     export = part("points").export_points
     with pytest.raises(error, match=r"'trees.obj' has no ending that is known: .usdc, .usda"):
         export(tmp_path / "trees.obj", [trees])
@@ -314,7 +316,7 @@ def test_what_cannot_be_exported_is_said(tmp_path, trees):
 def test_without_usd_it_is_said_what_to_do(tmp_path, trees, monkeypatch):
     monkeypatch.setitem(sys.modules, "pxr", None)
     monkeypatch.setattr(part("prototypes"), "_has_pxr", lambda: False)
-    with pytest.raises(addon_host.part("core.errors").ScatterError, match="built without USD"):
+    with pytest.raises(addon_host.part("core.base.errors").ScatterError, match="built without USD"):
         part("points").export_points(tmp_path / "trees.usd", [trees])
 
 

@@ -106,7 +106,7 @@ def test_an_object_type_has_points_on_the_faces_of_its_own_density_alone(domain)
         bpy.ops.dapple.edit_classes(action="ADD")
         obj.dapple.classes[-1].density = name
     found = optimized(obj)
-    meshio = addon_host.part("blender.base.meshio")
+    meshio = addon_host.part("blender.base.mesh_arrays")
     kinds = meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
     assert np.bincount(kinds).tolist() == [100, 100, 100]
     assert on_top(found[kinds == 0]) == 100
@@ -196,7 +196,7 @@ def test_slope_finds_walls_alone():
 def test_the_colors_of_a_density_end_at_the_edges_of_faces():
     obj = scenes.scattered(with_faces(cube(), "Grass", is_top), count=50)
     optimized(obj, attribute="Grass")
-    overlay = addon_host.part("blender.viewport.overlay")
+    overlay = addon_host.part("blender.density.overlay")
     overlay.start(obj)
     places, colors = (one.reshape(-1, 3, one.shape[1]) for one in overlay.triangles())
     overlay.stop()
@@ -261,7 +261,7 @@ def test_a_value_that_is_no_density_is_named_where_it_is(domain, said):
 def test_the_number_of_a_material_is_no_density():
     surface = with_materials(cube(), lambda center: int(is_top(center)))
     obj = scenes.scattered(surface, count=50)
-    weights = addon_host.part("blender.surface.weights")
+    weights = addon_host.part("blender.surface.values")
     assert "material_index" not in weights.weight_names(surface)
     obj.dapple.density.attribute = "material_index"
     with pytest.raises(RuntimeError, match="is the number of a material and no density"):
@@ -280,9 +280,9 @@ def test_both_readers_find_the_same_values():
     density = obj.dapple.density
     density.attribute, density.blocked, density.use_material = "FACE", "CORNER", True
     choose(obj, "Grass")
-    settings = addon_host.part("blender.data.scatter").settings_of(obj)
-    held = addon_host.part("blender.base.held").Held
-    steps = addon_host.part("core.steps")
+    settings = addon_host.part("blender.scatter.object").settings_of(obj)
+    held = addon_host.part("blender.base.object_handles").Held
+    steps = addon_host.part("core.base.steps")
     at_once = addon_host.part("blender.surface.reading").read(surface, settings, obj)
     read_parts = addon_host.part("blender.surface.parts").read_parts
     in_parts = steps.run_now(read_parts(settings, held(surface), held(obj))).arrays()
@@ -295,7 +295,7 @@ def test_both_readers_find_the_same_values():
 
 
 def test_the_panel_says_that_values_of_faces_were_changed():
-    stale = addon_host.part("blender.status.staleness").stale_reason
+    stale = addon_host.part("blender.freshness.staleness").stale_reason
     surface = with_faces(cube(), "Grass", is_top)
     obj = scenes.scattered(surface, count=50)
     optimized(obj, attribute="Grass")
@@ -358,7 +358,7 @@ def test_a_renamed_material_is_the_same():
     obj = scenes.scattered(surface, count=100)
     choose(obj, "Grass")
     optimized(obj, use_material=True)
-    stale = addon_host.part("blender.status.staleness").stale_reason
+    stale = addon_host.part("blender.freshness.staleness").stale_reason
     bpy.data.materials["Grass"].name = "Meadow"
     assert stale(obj, bpy.context) == ""
     assert on_top(optimized(obj)) == 100
@@ -436,7 +436,7 @@ def test_materials_that_nodes_set_count():
     b.output("Geometry", node.outputs[0])
     surface.modifiers.new("Cover", "NODES").node_group = tree
     obj = scenes.scattered(surface, count=100)
-    shown = addon_host.part("blender.panels.density")
+    shown = addon_host.part("blender.density.panel")
     assert "Snow" in shown.MATERIALS.of(obj)
     choose(obj, "Snow")
     assert on_top(optimized(obj, use_material=True)) == 100
@@ -450,7 +450,7 @@ def test_materials_of_parts_count_on_a_joined_surface():
     bpy.context.view_layer.objects.active = first
     assert bpy.ops.dapple.add(count=200) == {"FINISHED"}
     obj = bpy.context.object
-    shown = addon_host.part("blender.panels.density")
+    shown = addon_host.part("blender.density.panel")
     assert shown.MATERIALS.of(obj) == ("Soil", "Grass", "Stone", "Brick")
     choose(obj, "Grass")
     found = optimized(obj, use_material=True)
@@ -465,7 +465,7 @@ def test_an_assignment_to_other_faces_is_noticed(live):
     obj = scenes.scattered(surface, count=100)
     choose(obj, "Grass")
     optimized(obj, use_material=True)
-    stale = addon_host.part("blender.status.staleness").stale_reason
+    stale = addon_host.part("blender.freshness.staleness").stale_reason
     assert stale(obj, bpy.context) == ""
     for one in surface.data.polygons:
         one.material_index = 1 - sides(one.center) // 2
@@ -546,7 +546,7 @@ def test_a_bake_keeps_to_a_material():
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for found in in_frames(obj, range(1, 6)):
         assert found[:, 0].min() > -FLAT
-    stale = addon_host.part("blender.status.staleness").stale_reason
+    stale = addon_host.part("blender.freshness.staleness").stale_reason
     assert stale(obj, bpy.context) == ""
 
 
@@ -554,8 +554,8 @@ def test_a_bend_that_cuts_quads_otherwise_does_not_change_corner_values():
     surface = with_faces(bent_grid(), "Grass", lambda center: center[0] > 0.0, domain="CORNER")
     obj = scenes.scattered(surface, count=60)
     optimized(obj, attribute="Grass")
-    contents = addon_host.part("blender.status.contents")
-    present = addon_host.part("blender.status.present").Present
+    contents = addon_host.part("blender.freshness.contents")
+    present = addon_host.part("blender.freshness.scene_snapshot").Present
     for frame in (1, 5):
         bpy.context.scene.frame_set(frame)
         depsgraph = bpy.context.evaluated_depsgraph_get()

@@ -15,8 +15,8 @@ def everything():
     for mesh in bpy.data.meshes:
         found[f"{mesh.name} has"] = sorted(one.name for one in mesh.attributes)
         found[f"{mesh.name} is"] = sorted(mesh.keys())
-    found["presets"] = addon_host.part("core.presets").names(
-        addon_host.part("blender.steps.presets").folder()
+    found["presets"] = addon_host.part("core.settings.presets").names(
+        addon_host.part("blender.presets.stored").folder()
     )
     return repr(found)  # in text form NaN equals itself
 

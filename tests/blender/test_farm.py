@@ -50,7 +50,7 @@ def bytes_of(path):
     """Points and keys of the scatter in a file."""
     bpy.ops.wm.open_mainfile(filepath=str(path))
     obj = bpy.data.objects["Scales"]
-    stored = addon_host.part("blender.data.key_stores").read_baked(obj)
+    stored = addon_host.part("blender.scatter.key_stores").read_baked(obj)
     columns = {**stored.keys, **stored.triangles, **stored.frames}
     places = np.empty(3 * len(obj.data.vertices), np.float32)
     obj.data.vertices.foreach_get("co", places)

@@ -27,7 +27,7 @@ def engine():
 def tracked(monkeypatch):
     """Every result of the tracker during the test's bakes."""
     seen = []
-    baker = addon_host.part("core.bake").Baker
+    baker = addon_host.part("core.bake.baker").Baker
     advance = baker.advance
 
     def noting(self, context):
@@ -75,7 +75,7 @@ def image(places, seen, part=slice(None)):
 
 
 def stale(obj):
-    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
 def test_blenders_own_subdivision_with_armature_and_shape_keys_needs_no_setting(tracked):
@@ -153,7 +153,7 @@ def test_the_viewport_looks_at_faces_and_not_at_the_rest_shape():
 
 def test_the_panel_says_why_points_hold_on_to_the_rest_position():
     surface = body()
-    note = addon_host.part("blender.data.scatter").rest_note
+    note = addon_host.part("blender.scatter.object").rest_note
     obj = scenes.scattered(surface)
     assert note(obj) == (
         "Viewport and renders have different faces: points are attached to the rest position"
@@ -192,7 +192,7 @@ def test_a_mirrored_body_needs_no_setting_either(tracked):
 
 
 def test_points_are_previewed_too():
-    preview = addon_host.part("blender.viewport.preview")
+    preview = addon_host.part("blender.display.preview")
     surface = body(frames=6)
     obj = scenes.scattered(surface)
     obj.dapple.preview_budget = 60_000
@@ -228,7 +228,7 @@ def test_faces_that_change_in_every_frame_are_baked(tracked):
     obj.dapple.bind_to = "REST"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert obj.dapple.bound_to == "REST"
-    stored = addon_host.part("blender.data.key_stores").read_baked(obj)
+    stored = addon_host.part("blender.scatter.key_stores").read_baked(obj)
     assert len(set(stored.frames["dapple_vertices"])) > 1
     before = None
     for frame in np.arange(1.0, 4.1, 0.25):
@@ -275,7 +275,7 @@ def test_a_stopped_bake_leaves_rest_position_off():
     surface = scenes.tail(frames=3)
     obj = scenes.scattered(surface)
     obj.dapple.bind_to = "REST"
-    baking = addon_host.part("blender.steps.baking")
+    baking = addon_host.part("blender.bake.steps")
     running = baking.bake_steps(bpy.context, 1, 3)
     next(running)
     assert surface.add_rest_position_attribute
@@ -286,7 +286,10 @@ def test_a_stopped_bake_leaves_rest_position_off():
 
 def test_a_failed_add_leaves_no_scatter_and_no_node_group(monkeypatch):
     scenes.sphere()
-    writing, errors = addon_host.part("blender.steps.remembered"), addon_host.part("core.errors")
+    writing, errors = (
+        addon_host.part("blender.solve.session_solutions"),
+        addon_host.part("core.base.errors"),
+    )
     before = scenes.snapshot()
 
     def fails(*_):
@@ -309,7 +312,7 @@ def test_metaballs_are_scattered_baked_and_rendered(tracked):
     bpy.context.scene.frame_end = 4
     bpy.context.scene.frame_set(1)
     obj = scenes.scattered(surface)
-    assert addon_host.part("blender.data.scatter").rest_note(obj).startswith("Metaballs change")
+    assert addon_host.part("blender.scatter.object").rest_note(obj).startswith("Metaballs change")
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame, (_, samples) in enumerate(tracked, 1):
@@ -368,7 +371,7 @@ def test_a_bake_with_births_that_cannot_be_written_keeps_the_one_before():
 def test_a_point_that_slides_to_where_the_rest_shape_means_two_places_ends_the_bake(monkeypatch):
     surface = body()
     scenes.scattered(surface)
-    shape = addon_host.part("core.rest").Shape
+    shape = addon_host.part("core.surface.rest").Shape
     elsewhere, asked = shape.elsewhere, []
 
     def on_the_third_frame(self, *given):

@@ -11,12 +11,12 @@ from dapple3d.density import vertex_normals
 
 @pytest.fixture
 def frames():
-    return addon_host.part("core.frames")
+    return addon_host.part("core.surface.frames")
 
 
 @pytest.fixture
 def records():
-    return addon_host.part("core.records")
+    return addon_host.part("core.surface.records")
 
 
 def great_circle(start, end, steps):
@@ -98,7 +98,7 @@ def test_vertex_normals_do_not_depend_on_how_quads_are_cut():
 
 
 def test_faces_are_found_by_their_corners_in_any_order(records):
-    binding = addon_host.part("core.binding")
+    binding = addon_host.part("core.surface.binding")
     faces = np.array([(0, 1, 2), (2, 3, 0), (3, 4, 5)], dtype=np.int32)
     corners = np.array([(5, 3, 4), (2, 1, 0), (0, 1, 3), (0, 2, 3)], dtype=np.int32)
     assert binding.faces_with_corners(corners, faces).tolist() == [2, 0, -1, 1]
@@ -115,7 +115,7 @@ def test_own_random_depends_on_seed_id_and_stream(records):
 
 
 def test_a_broken_record_is_named(records):
-    errors = addon_host.part("core.errors")
+    errors = addon_host.part("core.base.errors")
     corners = np.array([(0, 1, 2), (1, 2, 9)], dtype=np.int32)
     binding = records.Binding(corners, np.full((2, 3), 1 / 3), np.zeros(2))
     with pytest.raises(errors.ScatterError, match=r"dapple_v2\[1\] is 9, but .* 5 vertices"):

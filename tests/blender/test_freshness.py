@@ -15,7 +15,7 @@ UNKNOWN, FITS = "not compared with the scene yet", "up to date"
 
 
 def part():
-    return addon_host.part("blender.status.freshness")
+    return addon_host.part("blender.freshness.freshness")
 
 
 @pytest.fixture
@@ -27,10 +27,20 @@ def waiting(monkeypatch):
     for name in ("_PAUSE", "_PATIENCE", "_RARELY", "_GLANCE"):
         monkeypatch.setattr(freshness, name, 0.0)
     counted = {
-        "blender.status.present": ("read_surface", "value_digests", "read_around", "points_digest"),
-        "blender.status.freshness": ("verdict", "all_work_files", "unfinished", "picture_digest"),
+        "blender.freshness.scene_snapshot": (
+            "read_surface",
+            "value_digests",
+            "read_around",
+            "points_digest",
+        ),
+        "blender.freshness.freshness": (
+            "verdict",
+            "all_work_files",
+            "unfinished",
+            "picture_digest",
+        ),
         "blender.surface.surface_mesh": ("evaluated_mesh", "topology"),
-        "blender.ops.bake_operators": ("all_work_files",),
+        "blender.bake.operators": ("all_work_files",),
     }
     for module, names in counted.items():
         for name in names:
@@ -54,7 +64,7 @@ def drawn():
     names = ("object", "selected_objects", "scene", "mode", "screen", "view_layer", "workspace")
     context = types.SimpleNamespace(**{name: getattr(bpy.context, name) for name in names})
     shown = []
-    for kind in addon_host.part("blender.ui").CLASSES:
+    for kind in addon_host.part("blender.main_panel").CLASSES:
         if issubclass(kind, bpy.types.Panel) and getattr(kind, "poll", lambda _: True)(context):
             panel = types.SimpleNamespace(layout=test_panels.Layout(shown))
             kind.draw(panel, context)

@@ -249,7 +249,7 @@ def opened(path, change):
 
 def told(action, obj):
     """Do something, which may be refused with an error message; whether it was done."""
-    errors = addon_host.part("core.errors")
+    errors = addon_host.part("core.base.errors")
     try:
         action(obj)
     except errors.ScatterError as error:
@@ -271,7 +271,7 @@ def play(obj):
 
 def draw(obj):
     test_panels.drawn()
-    pictures, details = addon_host.part("core.pictures"), addon_host.part("core.details")
+    pictures, details = addon_host.part("core.pictures"), addon_host.part("core.solve.figures")
     found = details.details_from(obj.dapple.report.details)
     pictures.curve(found.energies)
     pictures.bars(found.gaps)
@@ -279,20 +279,20 @@ def draw(obj):
 
 def look(obj):
     """What the panel and the modifier say of it."""
-    addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
     scenes.node_warnings(obj) if obj.modifiers else None
 
 
 def preview(obj):
     if bpy.ops.dapple.preview.poll():
         bpy.ops.dapple.preview()
-        addon_host.part("blender.viewport.preview").tick()
-        if addon_host.part("blender.viewport.preview").is_on(obj):
+        addon_host.part("blender.display.preview").tick()
+        if addon_host.part("blender.display.preview").is_on(obj):
             bpy.ops.dapple.preview()
 
 
 def show_density(obj):
-    overlay = addon_host.part("blender.viewport.overlay")
+    overlay = addon_host.part("blender.density.overlay")
     bpy.ops.dapple.show_density()
     overlay._tick()
     if overlay.is_on(obj):
@@ -380,7 +380,7 @@ SAID = {
 @pytest.mark.parametrize("name", SAID)
 def test_the_first_value_that_is_wrong_is_named(files, name):
     obj = opened(files["FACES"], WRONG[name])
-    said = [addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)]
+    said = [addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)]
     try:
         bpy.ops.dapple.tile()
     except RuntimeError as error:

@@ -192,7 +192,7 @@ def test_a_radius_follows_an_instance_that_is_edited():
     obj = with_classes(scenes.sphere(), {"instance": thing}, {}, count=40)
     kind = following(obj)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
-    reason = addon_host.part("blender.data.scatter").settings_reason
+    reason = addon_host.part("blender.scatter.object").settings_reason
     assert reason(obj) == ""
     thing.data.transform(np.diag([2.0, 2.0, 1.0, 1.0]).tolist())
     thing.data.update()
@@ -238,7 +238,7 @@ def test_instances_that_are_too_large_for_the_surface_become_as_large_as_fits():
     for kind in obj.dapple.classes:
         kind.fit = 1.0
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
-    assert addon_host.part("blender.data.scatter").settings_reason(obj) == ""
+    assert addon_host.part("blender.scatter.object").settings_reason(obj) == ""
     names, places, scales = shown(obj)
     radii = scales[:, 0] * np.where(np.array(names) == "House", 2.5, np.sqrt(0.5))
     distances = np.linalg.norm(places[:, None] - places[None], axis=2) + 9.0 * np.eye(60)

@@ -62,7 +62,7 @@ def arrays_of(surface):
 
 
 def reason(obj):
-    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
 def collection_of(*objects, name="Terrain"):
@@ -392,7 +392,7 @@ def test_points_follow_an_edited_and_a_moved_part():
 
 def test_density_colors_and_tiles_are_of_all_parts():
     obj = over(*tiles(), count=60)
-    overlay = addon_host.part("blender.viewport.overlay")
+    overlay = addon_host.part("blender.density.overlay")
     bpy.ops.dapple.show_density()
     assert np.ptp(overlay.triangles()[0][:, 0]) == pytest.approx(6.0)
     bpy.ops.dapple.show_density()
@@ -411,7 +411,7 @@ def test_parts_do_not_block_their_own_points():
 def test_a_part_lists_the_scatters_and_optimize_works_while_they_are_hidden():
     left, middle, _ = tiles()
     obj = over(left, middle, count=30)
-    scatters = addon_host.part("blender.steps.scatters")
+    scatters = addon_host.part("blender.add.scatters")
     assert scatters.scatters_of(middle) == [obj]
     obj.hide_viewport = True
     left.location.z = 2.0
@@ -424,7 +424,7 @@ def test_a_part_lists_the_scatters_and_optimize_works_while_they_are_hidden():
 def test_a_hidden_scatter_is_not_called_out_of_date():
     obj = over(*tiles(), count=30)
     obj.hide_viewport = True
-    staleness = addon_host.part("blender.status.staleness")
+    staleness = addon_host.part("blender.freshness.staleness")
     found = staleness.verdict(obj, bpy.context)
     assert (found.reason, bool(found.note)) == ("", True)
     obj.hide_viewport = False
@@ -533,7 +533,7 @@ def test_the_surface_of_a_scatter_is_made_of_other_objects():
     assert "dapple.surface_from_selected" in test_panels.drawn()
     with following.driven() as live:
         assert bpy.ops.dapple.surface_from_selected() == {"FINISHED"}
-        joined = addon_host.part("blender.data.joined")
+        joined = addon_host.part("blender.surface.joined")
         assert joined.parts_of(obj.dapple.surface) == [left, middle, right]
         assert "The points are on 'Left Surface'" in reason(obj)
         assert live.settle() == 1
@@ -567,7 +567,7 @@ def everything_copied(linked=False, but=()):
 
 
 def scatters_of(objects):
-    return [obj for obj in objects if addon_host.part("blender.data.scatter").is_scatter(obj)]
+    return [obj for obj in objects if addon_host.part("blender.scatter.object").is_scatter(obj)]
 
 
 @pytest.mark.parametrize("linked", [False, True])
@@ -679,4 +679,7 @@ def test_parts_that_are_exchanged_are_no_copies():
     bpy.context.view_layer.update()
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.surface != surface
-    assert set(addon_host.part("blender.data.joined").parts_of(obj.dapple.surface)) == {left, right}
+    assert set(addon_host.part("blender.surface.joined").parts_of(obj.dapple.surface)) == {
+        left,
+        right,
+    }

@@ -28,7 +28,10 @@ def obj(live):
 
 def stored(obj):
     """All that is stored of each point, by its id, in bytes."""
-    meshio, records = addon_host.part("blender.base.meshio"), addon_host.part("core.records")
+    meshio, records = (
+        addon_host.part("blender.base.mesh_arrays"),
+        addon_host.part("core.surface.records"),
+    )
     types = {**records.ROW_ATTRIBUTES, "id": "INT", "dapple_scale": "FLOAT", "dapple_rank": "FLOAT"}
     columns = {**meshio.read_columns(obj.data, types), "place": meshio.read_points(obj.data)}
     count = len(columns["id"])
@@ -39,7 +42,7 @@ def stored(obj):
 
 
 def places(obj):
-    ids = addon_host.part("blender.data.points").point_columns_of(obj)["id"]
+    ids = addon_host.part("blender.scatter.points").point_columns_of(obj)["id"]
     return dict(zip(ids.tolist(), scenes.positions(obj), strict=True))
 
 
@@ -140,7 +143,7 @@ def test_optimize_starts_anew_from_the_seed(live, obj):
 def test_without_a_memory_or_the_setting_the_points_fit_too(live, obj, forget):
     ids = stored(obj).keys()
     if forget == "session":
-        addon_host.part("blender.steps.remembered")._forget()
+        addon_host.part("blender.solve.session_solutions")._forget()
     else:
         obj.dapple.keep_points = False
     stroke(obj.dapple.surface, (0.0, 0.0, 1.0), 0.4, 0.0)
@@ -215,7 +218,7 @@ def mixed(live, obj):
 
 
 def kinds_of(obj):
-    return addon_host.part("blender.data.points").point_columns_of(obj)["dapple_class"]
+    return addon_host.part("blender.scatter.points").point_columns_of(obj)["dapple_class"]
 
 
 def test_object_types_keep_their_counts_and_ids_after_a_stroke(live, mixed):
@@ -236,7 +239,7 @@ def test_object_types_by_area_leave_what_is_far_from_a_stroke(live, mixed):
     mixed.dapple.amount, mixed.dapple.points_per_area = "PER_AREA", 60.0
     live.settle()
     middle, before = np.array([0.0, 0.0, 1.0]), stored(mixed)
-    points = addon_host.part("blender.base.meshio").read_points(mixed.data)
+    points = addon_host.part("blender.base.mesh_arrays").read_points(mixed.data)
     there = dict(zip(before, points, strict=True))
     stroke(mixed.dapple.surface, middle, 0.3, 0.9)
     assert live.settle() == 1
@@ -256,7 +259,9 @@ def test_an_object_type_follows_the_stroke_on_its_own_density(live, mixed):
     own.add(np.flatnonzero(away).tolist(), 0.0, "REPLACE")
     mixed.dapple.surface.data.update()
     assert live.settle() == 1
-    rocks = addon_host.part("blender.base.meshio").read_points(mixed.data)[kinds_of(mixed) == 0]
+    rocks = addon_host.part("blender.base.mesh_arrays").read_points(mixed.data)[
+        kinds_of(mixed) == 0
+    ]
     assert len(rocks) == 25
     assert rocks[:, 2].max() < 0.1
     assert len(before.keys() & stored(mixed).keys()) > 800

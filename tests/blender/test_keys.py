@@ -13,17 +13,17 @@ FACES = np.array([(0, 1, 2), (2, 1, 3), (2, 3, 4), (4, 3, 5)], dtype=np.int32)
 
 @pytest.fixture
 def keys():
-    return addon_host.part("core.keys")
+    return addon_host.part("core.bake.keys")
 
 
 def strip(topology="strip", name="Strip", faces=FACES):
-    surface = addon_host.part("core.surface")
+    surface = addon_host.part("core.surface.arrays")
     vertices = np.array([(k // 2, k % 2, 0.0) for k in range(6)])
     return surface.SurfaceArrays(name, vertices, faces, topology)
 
 
 def placed(keys, arrays, faces, weights, carry=0.0):
-    records = addon_host.part("core.records")
+    records = addon_host.part("core.surface.records")
     faces = np.asarray(faces, dtype=np.int32)
     weights = np.broadcast_to(np.asarray(weights, dtype=float), (len(faces), 3))
     angles = np.full(len(faces), carry)

@@ -81,7 +81,7 @@ class Work:
 def packed(path):
     """The bytes of the keyframes in a file."""
     bpy.ops.wm.open_mainfile(filepath=str(path))
-    stored = addon_host.part("blender.data.key_stores").read_baked(bpy.data.objects[NAME])
+    stored = addon_host.part("blender.scatter.key_stores").read_baked(bpy.data.objects[NAME])
     columns = {**stored.keys, **stored.triangles, **stored.frames}
     return {name: values.tobytes() for name, values in columns.items()}
 
@@ -90,7 +90,7 @@ def scatter(path):
     """That of a file, whose points have to be whole."""
     bpy.ops.wm.open_mainfile(filepath=str(path))
     obj = bpy.data.objects[NAME]
-    ids = addon_host.part("blender.data.points").point_columns_of(obj)["id"]
+    ids = addon_host.part("blender.scatter.points").point_columns_of(obj)["id"]
     assert len(np.unique(ids)) == len(obj.data.vertices) == obj.dapple.report.count
     return obj
 

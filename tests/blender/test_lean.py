@@ -31,12 +31,12 @@ def roof():
 
 
 def bound(faces, row, weights):
-    records = part("records")
+    records = part("surface.records")
     return records.Binding(faces[[row]], np.array([weights]), np.zeros(1))
 
 
 def test_rotation_vectors_come_back():
-    lean = part("lean")
+    lean = part("bake.lean")
     vectors = np.random.default_rng(1).normal(size=(200, 3))
     vectors *= (np.linspace(0, 3.1, 200) / np.linalg.norm(vectors, axis=1))[:, None]
     matrices = lean.rotations(vectors)
@@ -45,7 +45,7 @@ def test_rotation_vectors_come_back():
 
 
 def test_half_a_turn_is_not_taken_for_none():
-    lean = part("lean")
+    lean = part("bake.lean")
     vectors = math.pi * np.array(
         [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.6, 0, 0.8], [0.36, 0.48, 0.8]]
     )
@@ -55,7 +55,7 @@ def test_half_a_turn_is_not_taken_for_none():
 
 
 def test_over_a_ridge_a_thing_turns_by_no_more_than_the_limit_and_rights_itself():
-    lean, frames, keys = part("lean"), part("frames"), part("keys")
+    lean, frames, keys = part("bake.lean"), part("surface.frames"), part("bake.keys")
     vertices, faces = roof()
     left, right = bound(faces, 0, [0.1, 0.2, 0.7]), bound(faces, 2, [0.3, 0.1, 0.6])
     normals = frames.smooth(vertices, faces)
@@ -78,7 +78,7 @@ def test_over_a_ridge_a_thing_turns_by_no_more_than_the_limit_and_rights_itself(
 
 
 def test_where_a_fold_flips_the_normal_an_instance_turns_little_more_than_its_neighbors():
-    lean = part("lean")
+    lean = part("bake.lean")
     random = np.random.default_rng(3)
     places, then = random.uniform(0.0, 10.0, (400, 3)) * [1, 1, 0], np.tile(np.eye(3), (400, 1, 1))
     turned = lean.rotations(np.tile(np.radians([0.0, 7.0, 0.0]), (400, 1)))
@@ -110,27 +110,27 @@ def test_a_baked_lean_is_played(randomness):
     obj.dapple.turn_randomness = randomness
     points, writing, reading = (
         addon_host.part(f"blender.{name}")
-        for name in ("data.points", "data.key_writing", "surface.surface_mesh")
+        for name in ("scatter.points", "scatter.key_writing", "surface.surface_mesh")
     )
     arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
     binding, _ = points.read_binding(obj, len(arrays.vertices))
-    faces = part("binding").faces_with_corners(binding.corners, arrays.faces)
+    faces = part("surface.binding").faces_with_corners(binding.corners, arrays.faces)
     corners, loops = arrays.faces[faces], arrays.face_corners[faces]
     order = np.argmax(corners[:, None, :] == binding.corners[:, :, None], axis=1)
     weights = np.take_along_axis(binding.barycentric, order, axis=1)
-    binding = part("records").Binding(corners, weights, np.linspace(0, 6, 40), loops)
+    binding = part("surface.records").Binding(corners, weights, np.linspace(0, 6, 40), loops)
     vectors = np.random.default_rng(2).uniform(-0.6, 0.6, (40, 3))
-    keyframes = part("keys").Keyframes(2)
+    keyframes = part("bake.keys").Keyframes(2)
     for lean in (None, vectors):
-        placed = part("keys").Placed(faces, binding, lean=lean)
+        placed = part("surface.records").Placed(faces, binding, lean=lean)
         keyframes.add(placed, arrays, arrays, 0.1)
-    writing.write_baked(obj, keyframes.packed(), 1, part("solve").Report(count=40))
-    normals = part("frames").shading(arrays)
-    own = part("frames").frames(binding, arrays.vertices, normals).axes(binding.carry)
+    writing.write_baked(obj, keyframes.packed(), 1, part("solve.solve").Report(count=40))
+    normals = part("surface.frames").shading(arrays)
+    own = part("surface.frames").frames(binding, arrays.vertices, normals).axes(binding.carry)
     turn = np.empty(40, np.float32)
     obj.data.attributes["dapple_turn"].data.foreach_get("value", turn)
-    about = part("lean").rotations(np.outer(randomness * turn, [0, 0, 1]))
-    for frame, expected in ((1, own), (2, own @ part("lean").rotations(vectors))):
+    about = part("bake.lean").rotations(np.outer(randomness * turn, [0, 0, 1]))
+    for frame, expected in ((1, own), (2, own @ part("bake.lean").rotations(vectors))):
         bpy.context.scene.frame_set(frame)
         found = scenes.instance_matrices(obj)[:, :3, :3]
         found = found / np.linalg.norm(found, axis=1, keepdims=True)
@@ -138,37 +138,37 @@ def test_a_baked_lean_is_played(randomness):
     bpy.context.scene.frame_set(1, subframe=0.5)
     half = scenes.instance_matrices(obj)[:, :3, :3]
     half = half / np.linalg.norm(half, axis=1, keepdims=True)
-    between = own @ part("lean").rotations(0.5 * vectors) @ about
+    between = own @ part("bake.lean").rotations(0.5 * vectors) @ about
     assert np.degrees(turn_between(half, between)).max() < 1.5
 
 
 def test_a_frame_with_leans_comes_back_from_its_file(tmp_path):
-    sidecar, keys, records = part("sidecar"), part("keys"), part("records")
+    sidecar, keys, records = part("bake.sidecar"), part("bake.keys"), part("surface.records")
     faces = np.array([[0, 1, 2]], np.int32)
     binding = records.Binding(faces[[0, 0]], np.full((2, 3), 1 / 3), np.zeros(2))
     lean = np.array([[0.1, -0.2, 0.0], [0.0, 0.0, math.pi / 7]])
     placed = keys.Placed(np.zeros(2, np.int32), binding, lean=lean)
     files = sidecar.Sidecar(tmp_path / "work")
-    files.store(4, "mark", sidecar.Solved(placed, part("solve").Report()))
-    surface = part("surface").SurfaceArrays("Triangle", np.eye(3), faces, "same")
+    files.store(4, "mark", sidecar.Solved(placed, part("solve.solve").Report()))
+    surface = part("surface.arrays").SurfaceArrays("Triangle", np.eye(3), faces, "same")
     found = files.load(4, "mark", 2, surface)
     np.testing.assert_array_equal(found.placed.lean, lean)
     assert files.load(4, "mark", 3, surface) is None
 
 
 def test_leans_are_packed_with_rows_that_appear_later():
-    keys = part("keys")
+    keys = part("bake.keys")
     np.testing.assert_array_equal(keys.padded(np.ones((1, 3)), 3), [[1] * 3, [0] * 3, [0] * 3])
     assert keys.padded(np.zeros((0, 3)), 2).shape == (2, 3)
 
 
 def test_a_bake_with_births_bounds_its_turns_too(monkeypatch):
     """With a limit that every slide exceeds, all rows of all keys have a lean."""
-    monkeypatch.setattr(part("lean"), "LIMIT", 1e-9)
+    monkeypatch.setattr(part("bake.lean"), "LIMIT", 1e-9)
     obj = scenes.scattered(scenes.tail(), count=60)
     obj.dapple.count_over_time = "KEEP_DENSITY"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    keys = addon_host.part("blender.data.key_stores").stored_object(obj, "Keys").data
+    keys = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys").data
     assert len(keys.attributes["dapple_lean"].data) == len(keys.vertices)
     assert len(keys.vertices) == obj.dapple.baked_keys * len(obj.data.vertices)
     bpy.context.scene.frame_set(4)

@@ -11,7 +11,7 @@ WIDTH, HEIGHT = 260, 80
 
 @pytest.fixture
 def legend():
-    return addon_host.part("blender.viewport.legend")
+    return addon_host.part("blender.density.legend")
 
 
 def picture(legend, *words):
@@ -29,7 +29,7 @@ def of_the_ramp(found, legend):
 
 def test_the_ramp_goes_from_the_color_of_nothing_to_that_of_the_most(legend):
     strip = of_the_ramp(picture(legend, "", "", ""), legend)
-    places, colors = addon_host.part("core.density_colors").ramp()
+    places, colors = addon_host.part("core.density.colors").ramp()
     along = (np.arange(strip.shape[1]) + 0.5) / strip.shape[1]
     wanted = np.column_stack([np.interp(along, places, colors[:, k]) for k in range(4)])
     np.testing.assert_allclose(strip, np.broadcast_to(wanted, strip.shape), atol=0.02)

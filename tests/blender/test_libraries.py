@@ -195,7 +195,7 @@ def test_an_override_is_baked_in_the_shot_and_keeps_it(library, tmp_path):
     assert (obj.dapple.count, obj.dapple.repulsion_weight) == (80, 2.5)
     assert obj.dapple.density.curvature == 0.25
     assert (obj.dapple.baked_frames, obj.dapple.report.count) == (4, 80)
-    staleness = addon_host.part("blender.status.staleness")
+    staleness = addon_host.part("blender.freshness.staleness")
     assert staleness.stale_reason(obj, bpy.context) == ""
     bpy.ops.wm.open_mainfile(filepath=path)
     assert (played(own_scatter()) == before).all()  # the scatter in its own file is unchanged

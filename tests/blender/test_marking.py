@@ -66,7 +66,7 @@ def saved(made, tmp_path):
 
 
 def settings_of(obj):
-    return addon_host.part("blender.steps.presets").values_of(obj)
+    return addon_host.part("blender.presets.stored").values_of(obj)
 
 
 def asset_of(obj):
@@ -143,7 +143,7 @@ def test_appended_it_is_placed_on_another_surface_with_its_settings(saved):
     places = scenes.positions(obj)
     assert len(places) == 50
     assert np.linalg.norm(places - [5.0, 0.0, 0.0], axis=1).max() < 1.01
-    again = addon_host.part("blender.status.staleness").stale_reason
+    again = addon_host.part("blender.freshness.staleness").stale_reason
     assert again(obj, bpy.context) == ""
 
 
@@ -233,7 +233,7 @@ def test_dropped_on_a_surface_it_is_solved_there(live, saved):
 
 def placed(live):
     bpy.context.view_layer.update()
-    placing = addon_host.part("blender.live.placing")
+    placing = addon_host.part("blender.assets.dropped")
     placing._updated(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     assert placing.look() is None
     live.settle()
@@ -258,7 +258,7 @@ def test_where_nothing_is_found_the_choice_solves(live, saved):
     obj.dapple.surface = sphere
     placed(live)
     assert len(scenes.positions(obj)) == 50
-    assert "skipped" in addon_host.part("blender.live.placing").note(obj)
+    assert "skipped" in addon_host.part("blender.assets.dropped").note(obj)
 
 
 def test_an_opened_file_stays_as_it_is(live, saved, tmp_path):

@@ -512,7 +512,7 @@ def test_a_bake_keeps_to_a_distance():
 
 @pytest.fixture
 def overlay():
-    return addon_host.part("blender.viewport.overlay")
+    return addon_host.part("blender.density.overlay")
 
 
 def test_one_mask_is_shown_with_its_legend(overlay):
@@ -531,7 +531,7 @@ def test_one_mask_is_shown_with_its_legend(overlay):
     assert overlay.legend() == ("Distance", "0", "1")
     positions, colors = overlay.triangles()
     expected = np.clip(1.0 - (np.abs(positions[:, 1]) - 0.5) / 0.5, 0.0, 1.0)
-    own = addon_host.part("core.density_colors").colored(expected)
+    own = addon_host.part("core.density.colors").colored(expected)
     assert np.abs(colors - own).max() < 1e-3
     assert "shown_term" in drawn()
     bpy.ops.dapple.show_density()
@@ -555,7 +555,7 @@ def test_a_mask_that_is_shown_follows_what_its_distance_is_to(overlay):
 
 def test_each_term_can_be_shown(overlay):
     obj, _ = on_plane(40)
-    table = addon_host.part("core.density_table")
+    table = addon_host.part("core.settings.density_table")
     for term, label, _ in table.SHOWN_TERMS:
         obj.dapple.density.shown_term = term
         bpy.ops.dapple.show_density()
@@ -565,7 +565,7 @@ def test_each_term_can_be_shown(overlay):
 
 def test_the_legend_is_a_ramp_of_the_colors():
     legend, colors = (
-        addon_host.part(f"{name}") for name in ("blender.viewport.legend", "core.density_colors")
+        addon_host.part(f"{name}") for name in ("blender.density.legend", "core.density.colors")
     )
     corners, shades = legend.strip(100.0, 10.0)
     assert (corners.min(axis=0) == 0.0).all()

@@ -9,7 +9,7 @@ import scenes
 
 def edit(obj, name, value):
     """As the modifier tab does."""
-    modifier = addon_host.part("blender.data.modifier").scatter_modifier(obj)
+    modifier = addon_host.part("blender.scatter.modifier").scatter_modifier(obj)
     bpy.context.view_layer.update()
     addon_host.part("nodes").set_input(modifier, name, value)
     obj.update_tag()
@@ -17,7 +17,7 @@ def edit(obj, name, value):
 
 
 def shown(obj, name):
-    modifier = addon_host.part("blender.data.modifier").scatter_modifier(obj)
+    modifier = addon_host.part("blender.scatter.modifier").scatter_modifier(obj)
     return addon_host.part("nodes").get_input(modifier, name)
 
 

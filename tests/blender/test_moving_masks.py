@@ -141,7 +141,7 @@ def test_points_leave_a_scatter_that_moves_as_it_was_baked(population):
 
 
 def panel_note(obj):
-    return addon_host.part("blender.status.contents").frozen_note(obj)
+    return addon_host.part("blender.freshness.contents").frozen_note(obj)
 
 
 @pytest.mark.parametrize(
@@ -172,7 +172,7 @@ def test_a_density_that_does_not_move_is_baked_as_on_the_first_frame():
         obj.dapple.masks_over_time = masks
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         assert panel_note(obj) == ""
-        found.append(addon_host.part("blender.data.key_stores").read_baked(obj).keys)
+        found.append(addon_host.part("blender.scatter.key_stores").read_baked(obj).keys)
     for name, values in found[0].items():
         assert found[1][name].tobytes() == values.tobytes()
 
@@ -197,8 +197,8 @@ def test_noise_rides_with_a_surface_that_is_masked_anew_on_each_frame():
 
 
 def test_a_stopped_bake_of_moving_masks_goes_on_to_the_same_bytes():
-    baking, steps = addon_host.part("blender.steps.baking"), addon_host.part("core.steps")
-    package = addon_host.part("core.native").package()
+    baking, steps = addon_host.part("blender.bake.steps"), addon_host.part("core.base.steps")
+    package = addon_host.part("core.base.native").package()
     surface, found = ground(), []
     density, _ = moving_cube()
     for population in ("KEEP_COUNT", "KEEP_DENSITY"):
@@ -213,14 +213,14 @@ def test_a_stopped_bake_of_moving_masks_goes_on_to_the_same_bytes():
                 going.close()
             baker = steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES))
             assert baker.taken == (3 if stopped else 0)
-            found.append(addon_host.part("blender.data.key_stores").read_baked(obj).keys)
+            found.append(addon_host.part("blender.scatter.key_stores").read_baked(obj).keys)
         for name, values in found[-2].items():
             assert found[-1][name].tobytes() == values.tobytes()
 
 
 def test_a_bake_that_was_stopped_after_its_masks_came_to_rest_goes_on_to_the_same_bytes():
-    baking, steps = addon_host.part("blender.steps.baking"), addon_host.part("core.steps")
-    package = addon_host.part("core.native").package()
+    baking, steps = addon_host.part("blender.bake.steps"), addon_host.part("core.base.steps")
+    package = addon_host.part("core.base.native").package()
     surface, found = ground(), []
     box = cube()
     for frame, place in ((1, -1.0), (3, -0.5)):
@@ -237,7 +237,7 @@ def test_a_bake_that_was_stopped_after_its_masks_came_to_rest_goes_on_to_the_sam
             going.close()
         baker = steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES))
         assert baker.taken == (4 if stopped else 0)
-        found.append(addon_host.part("blender.data.key_stores").read_baked(obj).keys)
+        found.append(addon_host.part("blender.scatter.key_stores").read_baked(obj).keys)
     for name, values in found[0].items():
         assert found[1][name].tobytes() == values.tobytes()
 

@@ -12,7 +12,10 @@ import scenes
 
 def stranded(obj):
     """Ids of points that are not locked and stand where the vertex group of the density is 0."""
-    meshio, records = addon_host.part("blender.base.meshio"), addon_host.part("core.records")
+    meshio, records = (
+        addon_host.part("blender.base.mesh_arrays"),
+        addon_host.part("core.surface.records"),
+    )
     types = {**records.ROW_ATTRIBUTES, "id": "INT", "dapple_locked": "BOOLEAN"}
     columns = meshio.read_columns(obj.data, types)
     surface = obj.dapple.surface
@@ -80,7 +83,7 @@ def test_no_point_is_left_where_nothing_may_be(live, amount, locked, seed):
         assert not live.watcher.trouble(obj)
         left = stranded(obj)
         assert left == [], f"seed {seed}, stroke {number}: points {left} stand where nothing may"
-        ids = addon_host.part("blender.data.points").point_columns_of(obj)["id"]
+        ids = addon_host.part("blender.scatter.points").point_columns_of(obj)["id"]
         assert len(set(ids.tolist())) == len(ids)
         if amount == "COUNT":
             assert len(ids) == 1000

@@ -15,8 +15,8 @@ def bound_to_every_triangle(surface):
     surface.data.calc_loop_triangles()
     corners = np.array([tri.vertices[:] for tri in surface.data.loop_triangles], dtype=np.int32)
     loops = np.array([tri.loops[:] for tri in surface.data.loop_triangles], dtype=np.int32)
-    records, solve = addon_host.part("core.records"), addon_host.part("core.solve")
-    store = addon_host.part("blender.data.store")
+    records, solve = addon_host.part("core.surface.records"), addon_host.part("core.solve.solve")
+    store = addon_host.part("blender.scatter.store")
     reading = addon_host.part("blender.surface.surface_mesh")
     count = len(corners)
     binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), np.zeros(count), loops)
@@ -66,7 +66,10 @@ def test_the_scatter_object_may_be_moved_and_parented():
 def test_x_runs_along_the_first_edge_and_z_along_the_interpolated_normal():
     surface = smooth_sphere((1, 1, 1.5))
     obj, corners = bound_to_every_triangle(surface)
-    frames, records = addon_host.part("core.frames"), addon_host.part("core.records")
+    frames, records = (
+        addon_host.part("core.surface.frames"),
+        addon_host.part("core.surface.records"),
+    )
     vertices, count = scenes.world_vertices(surface), len(corners)
     binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), np.zeros(count))
     expected = frames.frames(binding, vertices, frames.smooth(vertices, corners))
@@ -95,11 +98,11 @@ def test_instances_stand_on_a_surface_that_is_turned_scaled_or_sheared(case, mov
     if moved:
         obj.location, obj.rotation_euler = (-1, 0, 2), (0.3, 0.2, 0.1)
     parent.rotation_euler = (0.2, 0.4, -0.6)
-    frames = addon_host.part("core.frames")
+    frames = addon_host.part("core.surface.frames")
     reading = addon_host.part("blender.surface.surface_mesh")
     bpy.context.view_layer.update()
     arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
-    binding, _ = addon_host.part("blender.data.points").read_binding(obj, len(arrays.vertices))
+    binding, _ = addon_host.part("blender.scatter.points").read_binding(obj, len(arrays.vertices))
     expected = frames.frames(binding, arrays.vertices, frames.shading(arrays))
     axes = scenes.rotations(obj)
     assert np.allclose(scenes.positions(obj), centers(surface, corners), rtol=0, atol=1e-5)
@@ -236,7 +239,10 @@ def test_things_stand_on_the_surface_or_upright_in_the_world():
 def test_a_thing_is_turned_by_the_angle_of_its_key_and_its_own(align):
     surface = smooth_sphere((1, 1, 1.5))
     obj, corners = bound_to_every_triangle(surface)
-    frames, records = addon_host.part("core.frames"), addon_host.part("core.records")
+    frames, records = (
+        addon_host.part("core.surface.frames"),
+        addon_host.part("core.surface.records"),
+    )
     vertices, count = scenes.world_vertices(surface), len(corners)
     carry = np.linspace(-3.0, 3.0, count)
     obj.data.attributes["dapple_carry"].data.foreach_set("value", carry.astype(np.float32))

@@ -30,7 +30,10 @@ def test_add_makes_exactly_the_points_asked_for():
 
 
 def test_add_stores_every_record():
-    records, meshio = addon_host.part("core.records"), addon_host.part("blender.base.meshio")
+    records, meshio = (
+        addon_host.part("core.surface.records"),
+        addon_host.part("blender.base.mesh_arrays"),
+    )
     obj = scenes.scattered(scenes.sphere(), count=40)
     columns = meshio.read_columns(obj.data, {**records.ROW_ATTRIBUTES, **records.POINT_ATTRIBUTES})
     assert sorted(columns["id"].tolist()) == list(range(40))
@@ -159,7 +162,7 @@ def test_a_surface_out_of_the_view_layer_is_evaluated_all_the_same():
 
 
 def test_an_object_that_is_not_evaluated_cannot_be_read():
-    errors = addon_host.part("core.errors")
+    errors = addon_host.part("core.base.errors")
     reading = addon_host.part("blender.surface.surface_mesh")
     loose = bpy.data.objects.new("Loose", bpy.data.meshes.new("Loose"))
     with pytest.raises(errors.ScatterError, match="'Loose' is not evaluated"):
@@ -179,12 +182,12 @@ def test_operators_need_object_mode_and_the_right_object():
 
 
 def test_a_mesh_that_changed_meanwhile_is_not_written_to():
-    adding, steps = addon_host.part("blender.steps.adding"), addon_host.part("core.steps")
-    errors = addon_host.part("core.errors")
+    adding, steps = addon_host.part("blender.add.steps"), addon_host.part("core.base.steps")
+    errors = addon_host.part("core.base.errors")
     surface = scenes.sphere()
     running = adding.add_steps(bpy.context, count=30)
     task = next(running)
-    solved = task.call(addon_host.part("core.native").package().Context())
+    solved = task.call(addon_host.part("core.base.native").package().Context())
     surface.data.vertices[0].co.z += 0.1
     before = scenes.snapshot()
     with pytest.raises(errors.ScatterError, match="'Sphere' changed while"):
@@ -198,8 +201,8 @@ class Window:
 
     def __init__(self, monkeypatch, answer=True):
         self.asked, self.started, self.answer = [], [], answer
-        self.operators = addon_host.part("blender.ops.operators")
-        self.of_bakes = addon_host.part("blender.ops.bake_operators")
+        self.operators = addon_host.part("blender.solve.operators")
+        self.of_bakes = addon_host.part("blender.bake.operators")
         bpy_there = SimpleNamespace(
             app=SimpleNamespace(background=False),
             ops=SimpleNamespace(
@@ -271,7 +274,7 @@ def test_nothing_is_asked_without_keys_or_once_it_is_answered(monkeypatch, name,
 def test_discarding_frames_asks_as_it_cannot_be_undone(monkeypatch, answer):
     obj = baked()
     obj.dapple.bake_fingerprint = ""  # like a bake that was stopped
-    files = addon_host.part("blender.status.workfiles").work_files(obj)
+    files = addon_host.part("blender.freshness.unfinished_bakes").work_files(obj)
     window = Window(monkeypatch, answer)
     window.press(window.of_bakes.DAPPLE_OT_discard_bake)
     said = "6 solved frames will be deleted from disk"

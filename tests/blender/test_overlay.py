@@ -13,7 +13,7 @@ import windowed
 
 @pytest.fixture
 def overlay():
-    return addon_host.part("blender.viewport.overlay")
+    return addon_host.part("blender.density.overlay")
 
 
 def sloped(**density):
@@ -36,7 +36,7 @@ def test_colors_tell_where_points_will_be(overlay):
     assert overlay.is_on(obj)
     positions, colors = overlay.triangles()
     above, below = positions[:, 2] > 0.1, positions[:, 2] < -0.1
-    most, none = addon_host.part("core.density_colors").colored(np.array([1.0, 0.0]))
+    most, none = addon_host.part("core.density.colors").colored(np.array([1.0, 0.0]))
     np.testing.assert_allclose(colors[above], np.tile(most, (above.sum(), 1)))
     np.testing.assert_allclose(colors[below], np.tile(none, (below.sum(), 1)))
     assert bpy.ops.dapple.show_density() == {"FINISHED"}
@@ -115,7 +115,7 @@ def test_the_class_that_is_chosen_later_is_shown(overlay):
     positions, first = overlay.triangles()
     obj.dapple.class_index = 1
     _, second = looked(overlay)
-    most = addon_host.part("core.density_colors").colored(np.array([1.0]))
+    most = addon_host.part("core.density.colors").colored(np.array([1.0]))
     assert (first[positions[:, 2] > 0.3] == most).all()
     assert (second[positions[:, 2] < -0.3] == most).all()
 
@@ -265,7 +265,7 @@ def test_colors_are_drawn_where_the_surface_is(overlay):
     density.use_height, density.height_fade = True, 0.0
     density.height_from, density.height_to = 0.05, 1.0
     bpy.ops.dapple.show_density()
-    most, none = addon_host.part("core.density_colors").colored(np.array([1.0, 0.0]))
+    most, none = addon_host.part("core.density.colors").colored(np.array([1.0, 0.0]))
     found = drawn.picture(overlay._draw, (-2.0, -2.0), (2.0, 2.0), (64, 64))[..., :3]
     np.testing.assert_allclose(found[32, 44], most[:3] * most[3], atol=0.01)
     np.testing.assert_allclose(found[32, 20], none[:3] * none[3], atol=0.01)

@@ -336,14 +336,14 @@ def test_a_surface_of_another_file_cannot_be_painted(tmp_path, name, kind):
 
 
 def test_what_a_new_group_is_called_is_said_once():
-    table = addon_host.part("core.density_table")
+    table = addon_host.part("core.settings.density_table")
     settings = {setting.name for setting in table.DENSITY}
     assert {one.setting for one in table.PAINTED.values()} <= settings
 
 
 def test_it_is_said_where_no_brush_is_chosen(obj, monkeypatch):
     """Some Blenders come without brushes: strokes did nothing, and nothing told why."""
-    panel = addon_host.part("blender.panels.painting")
+    panel = addon_host.part("blender.density.paint_panel")
     assert panel.lacks_brush("builtin.brush", None)
     assert not panel.lacks_brush("builtin.gradient", None)
     assert not panel.lacks_brush("", None)

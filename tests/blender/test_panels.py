@@ -93,7 +93,7 @@ class Layout:
 
 def drawn(layout=Layout):
     """What all panels show for the active object."""
-    ui, shown = addon_host.part("blender.ui"), []
+    ui, shown = addon_host.part("blender.main_panel"), []
     for kind in ui.CLASSES:
         if issubclass(kind, bpy.types.Panel) and getattr(kind, "poll", lambda _: True)(bpy.context):
             panel = types.SimpleNamespace(layout=layout(shown))
@@ -131,7 +131,7 @@ def test_what_is_instanced_comes_before_the_solver():
 
 def test_pictures_tell_of_the_result_and_of_the_settings():
     obj = scenes.scattered(scenes.sphere(), count=60)
-    details = addon_host.part("core.details")
+    details = addon_host.part("core.solve.figures")
     told = details.details_from(obj.dapple.report.details)
     assert sum(told.gaps) == 60
     assert told.energies[-1] < told.energies[0]
@@ -142,7 +142,10 @@ def test_pictures_tell_of_the_result_and_of_the_settings():
 
 
 def test_pictures_show_what_they_are_of():
-    pictures, of = addon_host.part("core.pictures"), addon_host.part("core.settings").Settings
+    pictures, of = (
+        addon_host.part("core.pictures"),
+        addon_host.part("core.settings.values").Settings,
+    )
     even, patterned = (
         pictures.pattern(60, settings.sample_options())
         for settings in (of(), of(capacity_weight=0.0, tolerance=1e-6))
@@ -231,7 +234,7 @@ def test_a_body_with_other_faces_in_the_render_is_told_in_one_sentence():
 
 def test_what_is_said_leaves_room_for_its_cross():
     obj = scenes.scattered(scenes.sphere())
-    labels, work = addon_host.part("blender.base.labels"), addon_host.part("blender.base.under_way")
+    labels, work = addon_host.part("blender.base.labels"), addon_host.part("blender.base.jobs")
     work._state.notes[obj.session_uid] = [("INFO", "points are attached to what is there " * 9)]
     shown = drawn()
     work._state.notes.clear()

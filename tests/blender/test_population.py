@@ -44,7 +44,7 @@ def fades(obj, frame, subframe=0.0):
     """1 - dapple_gone, of each row, from the keys."""
     scene = bpy.context.scene
     scene.frame_set(frame, subframe=subframe)
-    stored = addon_host.part("blender.data.key_stores").stored_object(obj, "Keys").data
+    stored = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys").data
     values = np.empty(len(stored.vertices), dtype=np.float32)
     stored.attributes["dapple_gone"].data.foreach_get("value", values)
     return 1.0 - values.reshape(-1, len(obj.data.vertices))[frame - 1]
@@ -225,12 +225,12 @@ def read_now(surface):
 @pytest.mark.parametrize("made", [remeshed, balls])
 def test_faces_that_change_are_followed_at_a_constant_density(made):
     surface, obj = following(made)
-    dapple, before = addon_host.part("core.native").package(), ids(obj)
+    dapple, before = addon_host.part("core.base.native").package(), ids(obj)
     obj.dapple.on_topology_change = "REBIND"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert ids(obj)[:300] == before
     assert len(set(ids(obj))) == len(obj.data.vertices) > 300
-    staleness = addon_host.part("blender.status.staleness")
+    staleness = addon_host.part("blender.freshness.staleness")
     first_area, counts = None, set()
     for frame in range(1, 9):
         bpy.context.scene.frame_set(frame)
@@ -286,14 +286,14 @@ def around_an_obstacle(made):
 
 
 def packed(obj):
-    stored = addon_host.part("blender.data.key_stores").read_baked(obj)
+    stored = addon_host.part("blender.scatter.key_stores").read_baked(obj)
     columns = {**stored.keys, **stored.triangles, **stored.frames}
     return {name: values.tobytes() for name, values in columns.items()} | {"ids": ids(obj)}
 
 
 def baked(obj):
     """Keys of a bake, and how many of its frames were taken from files and solved."""
-    baking = addon_host.part("blender.steps.baking")
+    baking = addon_host.part("blender.bake.steps")
     bakers = []
     new = baking.new_baker
     baking.new_baker = lambda *arguments: bakers.append(new(*arguments)) or bakers[-1]
@@ -320,7 +320,7 @@ MADE = {
 def test_a_bake_goes_on_from_its_frames_to_the_same_bytes(made, kept, tmp_path):
     _, obj = MADE[made]()
     obj.dapple.on_topology_change = "REBIND"
-    work_files = addon_host.part("blender.status.workfiles")
+    work_files = addon_host.part("blender.freshness.unfinished_bakes")
     files = work_files.work_files(obj)
     whole, taken, solved = baked(obj)
     assert (taken, solved) == (0, bpy.context.scene.frame_end)
@@ -329,7 +329,7 @@ def test_a_bake_goes_on_from_its_frames_to_the_same_bytes(made, kept, tmp_path):
         (tmp_path / path.name).write_bytes(path.read_bytes())
     assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
     assert files.frames() == 0
-    addon_host.part("core.sidecar").Sidecar(tmp_path).move(files.folder)
+    addon_host.part("core.bake.sidecar").Sidecar(tmp_path).move(files.folder)
     assert work_files.unfinished(obj) == kept
     assert baked(obj) == (whole, kept, solved - kept)
 
@@ -345,7 +345,7 @@ def test_frames_of_another_fade_are_not_taken():
 
 def test_files_that_are_not_of_a_population_are_not_taken(tmp_path):
     _, obj = breathing_ball()
-    files = addon_host.part("blender.status.workfiles").work_files(obj)
+    files = addon_host.part("blender.freshness.unfinished_bakes").work_files(obj)
     whole, _, solved = baked(obj)
     with np.load(files.path(2)) as stored:
         arrays = dict(stored)

@@ -13,7 +13,7 @@ import test_panels
 @pytest.fixture
 def prepared(monkeypatch):
     """As in a window: what is asked for is found by the timer's next tick."""
-    module = addon_host.part("blender.base.prepared")
+    module = addon_host.part("blender.base.panel_values")
     monkeypatch.setattr(module, "at_once", False)
     yield module
     module._notes.clear()
@@ -28,19 +28,19 @@ def redrawn(prepared, monkeypatch):
 
 
 COSTLY = {
-    "blender.ops.subdivision_operators": ("differences",),
-    "blender.panels.instances": ("count_labels",),
-    "blender.panels.pictures": ("details_from", "settings_of"),
+    "blender.surface.subdivision_operators": ("differences",),
+    "blender.object_types.panel": ("count_labels",),
+    "blender.solve.figure_images": ("details_from", "settings_of"),
     "core.pictures": ("curve", "bars", "pattern"),
-    "core.presets": ("names",),
-    "blender.panels.asset_library": ("library", "missing_assets"),
+    "core.settings.presets": ("names",),
+    "blender.assets.library": ("library", "missing_assets"),
 }
 
 
 @pytest.fixture
 def computed(monkeypatch):
     """Names of what was computed, walked or read; pictures that another test had drawn are gone."""
-    kept = addon_host.part("blender.panels.pictures")
+    kept = addon_host.part("blender.solve.figure_images")
     kept.unregister()
     kept.register()
     seen = []
@@ -59,7 +59,7 @@ def preferences():
     shown = []
     of = types.SimpleNamespace(layout=test_panels.Layout(shown), remove_library=False)
     of.layout.prop = lambda *_, **__: None
-    addon_host.part("blender.panels.preferences").DAPPLE_AP_preferences.draw(of, bpy.context)
+    addon_host.part("blender.preferences").DAPPLE_AP_preferences.draw(of, bpy.context)
     return shown
 
 

@@ -16,7 +16,7 @@ from test_panels import Layout
 @pytest.fixture
 def folder():
     """Of this test's user; empty before and after."""
-    found = addon_host.part("blender.steps.presets").folder()
+    found = addon_host.part("blender.presets.stored").folder()
     for path in found.glob("*.json"):
         path.unlink()
     yield found
@@ -119,7 +119,7 @@ def test_new_scatters_begin_with_the_object_types_of_the_default(folder):
     assert [kind.name for kind in new.dapple.classes] == ["Rocks", "Grass", "Trees"]
     kinds = [one.value for one in new.data.attributes["dapple_class"].data]
     assert np.bincount(kinds).tolist() == [5, 26, 9]
-    assert addon_host.part("blender.data.scatter").settings_reason(new) == ""
+    assert addon_host.part("blender.scatter.object").settings_reason(new) == ""
 
 
 def test_a_default_whose_object_type_does_not_fit_is_told(folder, capfd):
@@ -158,7 +158,7 @@ def test_new_scatters_begin_with_the_default(folder):
     new = bpy.context.object
     assert (new.dapple.count, new.dapple.seed) == (40, 11)
     assert scenes.positions(new)[:, 2].min() > -0.1
-    assert addon_host.part("blender.data.scatter").settings_reason(new) == ""
+    assert addon_host.part("blender.scatter.object").settings_reason(new) == ""
     bpy.context.view_layer.objects.active = surface
     bpy.ops.dapple.add(count=25)
     assert len(scenes.positions(bpy.context.object)) == 25
@@ -248,7 +248,7 @@ def test_a_default_that_does_not_fit_is_left_out_and_told(folder, text, said, ca
     assert new.dapple.density.curvature == 0.5
     told = capfd.readouterr().out
     assert re.search(f"Warning: Preset 'Default' does not fit here, skipped: .*{said}", told)
-    assert addon_host.part("blender.data.scatter").settings_reason(new) == ""
+    assert addon_host.part("blender.scatter.object").settings_reason(new) == ""
 
 
 @pytest.mark.parametrize(
@@ -305,7 +305,7 @@ def test_presets_can_be_removed_where_no_scatter_is_selected(folder, where):
     else:
         preferences = types.SimpleNamespace(layout=Layout(shown), remove_library=False)
         preferences.layout.prop = lambda *_, **__: None
-        preferred = addon_host.part("blender.panels.preferences")
+        preferred = addon_host.part("blender.preferences")
         preferred.DAPPLE_AP_preferences.draw(preferences, bpy.context)
     assert "dapple.remove_preset" in shown
     assert "dapple.load_preset" not in shown

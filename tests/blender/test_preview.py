@@ -13,7 +13,7 @@ import windowed
 
 @pytest.fixture
 def preview():
-    return addon_host.part("blender.viewport.preview")
+    return addon_host.part("blender.display.preview")
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def test_posing_is_followed_too(preview, patient):
 def test_nothing_is_solved_while_nothing_changes(preview, patient, monkeypatch):
     toggled()
     preview.tick()
-    seen, follower = [], addon_host.part("core.follow").Follower
+    seen, follower = [], addon_host.part("core.preview").Follower
     follow = follower._advanced
     monkeypatch.setattr(
         follower, "_advanced", lambda self, *rest: seen.append(1) or follow(self, *rest)
@@ -189,8 +189,8 @@ def test_points_are_found_by_a_worker_and_ride_until_then(preview, patient, monk
     expected = riding(patient, 8)
     bpy.context.scene.frame_set(1)
     monkeypatch.setattr(preview, "bpy", windowed.Windowed())
-    follower = addon_host.part("core.follow").Follower
-    steps = addon_host.part("blender.viewport.preview_steps")
+    follower = addon_host.part("core.preview").Follower
+    steps = addon_host.part("blender.display.preview_steps")
     made, makers = windowed.held_back(monkeypatch, steps, "Follower")
     toggled()
     windowed.until(lambda: makers, preview.tick)
@@ -217,7 +217,7 @@ def test_a_render_stops_the_worker_and_the_points_are_found_afterward(
     toggled()
     expected = riding(patient, 8)
     monkeypatch.setattr(preview, "bpy", windowed.Windowed())
-    follower = addon_host.part("core.follow").Follower
+    follower = addon_host.part("core.preview").Follower
     held, finders = windowed.held_back(monkeypatch, follower, "_advanced")
     windowed.until(lambda: finders, preview.tick)
     with probe.registered():
@@ -233,7 +233,7 @@ def test_a_preview_that_ends_forgets_what_its_worker_still_finds(preview, patien
     toggled()
     expected = riding(patient, 8)
     monkeypatch.setattr(preview, "bpy", windowed.Windowed())
-    follower = addon_host.part("core.follow").Follower
+    follower = addon_host.part("core.preview").Follower
     held, finders = windowed.held_back(monkeypatch, follower, "_advanced")
     windowed.until(lambda: finders, preview.tick)
     toggled()

@@ -48,7 +48,7 @@ def reordering(monkeypatch):
 
 
 def keys_of(obj):
-    return addon_host.part("blender.data.key_stores").read_baked(obj).keys
+    return addon_host.part("blender.scatter.key_stores").read_baked(obj).keys
 
 
 def test_a_bake_goes_on_where_an_evaluation_orders_faces_otherwise(reordering):
@@ -71,7 +71,7 @@ def test_a_finished_bake_is_written_though_its_first_frame_is_ordered_otherwise_
 
 def finished(going, change):
     """The end of a bake whose surface is changed after its first step."""
-    package = addon_host.part("core.native").package()
+    package = addon_host.part("core.base.native").package()
     task = next(going)
     change()
     try:
@@ -84,11 +84,11 @@ def finished(going, change):
 def test_a_surface_that_was_changed_while_it_was_baked_is_no_such_one():
     surface = scenes.tail(frames=FRAMES)
     scenes.scattered(surface)
-    going = addon_host.part("blender.steps.baking").bake_steps(bpy.context, 1, FRAMES)
+    going = addon_host.part("blender.bake.steps").bake_steps(bpy.context, 1, FRAMES)
 
     def change():
         surface.data.vertices[3].co.x += 0.2
         surface.data.update_tag()
 
-    with pytest.raises(addon_host.part("core.errors").ScatterError, match="changed while"):
+    with pytest.raises(addon_host.part("core.base.errors").ScatterError, match="changed while"):
         finished(going, change)

@@ -22,7 +22,7 @@ def nearest(surface, points):
 
 
 def reason(obj):
-    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
 def _vector(point):

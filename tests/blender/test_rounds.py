@@ -39,12 +39,12 @@ def check(live):
     obj = scatter()
     trouble = live.watcher.trouble(obj)
     assert not trouble or MORE_LOCKED in trouble
-    reason = addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    reason = addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
     waits = obj.dapple.baked_keys and reason.endswith("bake again")
     if reason and not waits and not done(bpy.ops.dapple.optimize):
         return
     assert not reason or waits, reason
-    ids = addon_host.part("blender.data.points").point_columns_of(obj)["id"]
+    ids = addon_host.part("blender.scatter.points").point_columns_of(obj)["id"]
     found = scenes.positions(obj)
     assert len(ids) == len(np.unique(ids)) == obj.dapple.report.count
     assert len(found) == len(ids) or waits  # points of a removed object type are not shown

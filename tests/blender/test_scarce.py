@@ -55,7 +55,7 @@ def fill(disk, rest):
 
 
 def packed(obj):
-    stored = addon_host.part("blender.data.key_stores").read_baked(obj)
+    stored = addon_host.part("blender.scatter.key_stores").read_baked(obj)
     columns = {**stored.keys, **stored.triangles, **stored.frames}
     return {name: values.tobytes() for name, values in columns.items()}
 

@@ -19,7 +19,7 @@ def pair():
 
 
 def names_of(surface):
-    found = addon_host.part("blender.steps.scatters").scatters_of(surface)
+    found = addon_host.part("blender.add.scatters").scatters_of(surface)
     return [obj.name for obj in found]
 
 
@@ -90,7 +90,7 @@ def test_a_copy_has_everything_of_its_own():
     bpy.context.scene.frame_set(2)
     before = scenes.positions(copy)
     np.testing.assert_array_equal(before, scenes.positions(obj))
-    stale = addon_host.part("blender.status.staleness").stale_reason
+    stale = addon_host.part("blender.freshness.staleness").stale_reason
     assert stale(copy, bpy.context) == ""
     bpy.ops.dapple.clear_bake()  # clears the bake of the original
     assert copy.dapple.baked_keys == 3

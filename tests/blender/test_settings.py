@@ -33,10 +33,10 @@ print(prop.name, prop.hard_min, prop.hard_max, prop.default, prop.is_overridable
 print(prop.description)
 print("damping" in test_panels.drawn(test_panels.Layout))
 obj.dapple.damping = 0.5
-print(addon_host.part("blender.data.scatter").settings_reason(obj))
+print(addon_host.part("blender.scatter.object").settings_reason(obj))
 bpy.ops.dapple.optimize()
-print(given, addon_host.part("blender.data.scatter").settings_reason(obj) == "")
-print(addon_host.part("blender.steps.presets").values_of(obj)[""]["damping"])
+print(given, addon_host.part("blender.scatter.object").settings_reason(obj) == "")
+print(addon_host.part("blender.presets.stored").values_of(obj)[""]["damping"])
 addon_host.disable()
 """
 
@@ -44,7 +44,7 @@ addon_host.disable()
 def groups():
     """The settings of each group, and its type."""
     own = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
-    for group, settings in addon_host.part("core.tables").GROUPS.items():
+    for group, settings in addon_host.part("core.settings.tables").GROUPS.items():
         yield settings, own[group].fixed_type.properties if group else own
 
 

@@ -157,12 +157,12 @@ def test_on_a_scaled_or_mirrored_surface_they_stand_as_it_is_shaded(make, scale)
 
 
 def check_as_python_says(obj, surface):
-    """Instances without a turn of their own have the axes of core/frames.py."""
+    """Instances without a turn of their own have the axes of core/surface/frames.py."""
     obj.dapple.turn_randomness = 0.0
     part = addon_host.part
-    reading, frames = part("blender.surface.surface_mesh"), part("core.frames")
+    reading, frames = part("blender.surface.surface_mesh"), part("core.surface.frames")
     arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
-    binding, _ = part("blender.data.points").read_binding(obj, len(arrays.vertices))
+    binding, _ = part("blender.scatter.points").read_binding(obj, len(arrays.vertices))
     expected = frames.frames(binding, arrays.vertices, frames.shading(arrays)).axes(binding.carry)
     assert np.einsum("nij,nij->nj", scenes.rotations(obj), expected).min() > 0.9999
 
@@ -247,10 +247,10 @@ def test_an_export_has_the_shading_normals(tmp_path):
 def test_the_package_is_told_the_shading_normals(make):
     surface = make()
     part = addon_host.part
-    reading, settings = part("blender.surface.surface_mesh"), part("core.settings")
+    reading, settings = part("blender.surface.surface_mesh"), part("core.settings.values")
     arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
-    ground = part("core.ground").ground_of(arrays, settings.Settings())
-    told, own = ground.surface.corner_normals, part("core.frames").corner_normals(arrays)
+    ground = part("core.density.ground").ground_of(arrays, settings.Settings())
+    told, own = ground.surface.corner_normals, part("core.surface.frames").corner_normals(arrays)
     # equal where the surface is smooth, with other triangles
     np.testing.assert_allclose(told, own, atol=2e-3)
 
@@ -263,9 +263,9 @@ def test_a_preview_stands_along_the_shading_normal():
     other.dapple.seed = 5
     bpy.context.view_layer.objects.active = other
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
-    binding, _ = part("blender.data.points").read_binding(other, len(surface.data.vertices))
+    binding, _ = part("blender.scatter.points").read_binding(other, len(surface.data.vertices))
     before = scenes.positions(obj)
-    part("blender.viewport.preview_binding").show_binding(obj, binding)
+    part("blender.display.preview_binding").show_binding(obj, binding)
     bpy.context.view_layer.update()
     assert np.abs(scenes.positions(obj) - before).max() > 0.1
     assert degrees_off(obj, surface).max() < 0.5

@@ -17,17 +17,17 @@ FRAMES = 6
 
 @pytest.fixture
 def sidecar():
-    return addon_host.part("core.sidecar")
+    return addon_host.part("core.bake.sidecar")
 
 
 def solved(sidecar, count=5):
-    records, keys = addon_host.part("core.records"), addon_host.part("core.keys")
+    records, keys = addon_host.part("core.surface.records"), addon_host.part("core.bake.keys")
     random = np.random.Generator(np.random.PCG64(2))
     faces = random.integers(0, len(FACES), count).astype(np.int32)
     binding = records.Binding(
         FACES[faces], random.dirichlet((1, 1, 1), count), random.normal(size=count)
     )
-    report = addon_host.part("core.solve").Report(count=count, spacing=0.25, converged=True)
+    report = addon_host.part("core.solve.solve").Report(count=count, spacing=0.25, converged=True)
     return sidecar.Solved(keys.Placed(faces, binding), report)
 
 
@@ -35,7 +35,9 @@ FACES = np.array([(0, 1, 2), (2, 1, 3), (2, 3, 4)], dtype=np.int32)
 
 
 def triangles(faces=FACES):
-    return addon_host.part("core.surface").SurfaceArrays("Any", np.zeros((5, 3)), faces, "same")
+    return addon_host.part("core.surface.arrays").SurfaceArrays(
+        "Any", np.zeros((5, 3)), faces, "same"
+    )
 
 
 def test_a_frame_comes_back_as_it_was(sidecar, tmp_path):
@@ -146,7 +148,10 @@ def test_a_pickle_is_never_opened(sidecar, tmp_path):
 
 
 def test_fingerprints_tell_inputs_apart(sidecar):
-    surface, settings = addon_host.part("core.surface"), addon_host.part("core.settings")
+    surface, settings = (
+        addon_host.part("core.surface.arrays"),
+        addon_host.part("core.settings.values"),
+    )
     start, ids = solved(sidecar).placed.binding, np.arange(5, dtype=np.int32)
     frame = surface.SurfaceArrays("Any", np.eye(3), FACES, "topology")
 
@@ -170,7 +175,7 @@ def test_fingerprints_tell_inputs_apart(sidecar):
 
 
 def packed(obj):
-    stored = addon_host.part("blender.data.key_stores").read_baked(obj)
+    stored = addon_host.part("blender.scatter.key_stores").read_baked(obj)
     columns = {**stored.keys, **stored.triangles, **stored.frames}
     return {name: values.tobytes() for name, values in columns.items()}
 
@@ -187,7 +192,7 @@ def opened(path):
 
 
 def files_of(obj):
-    return addon_host.part("blender.status.workfiles").work_files(obj)
+    return addon_host.part("blender.freshness.unfinished_bakes").work_files(obj)
 
 
 KILLED = """
@@ -196,7 +201,7 @@ from pathlib import Path
 import addon_host
 addon_host.add_repository(Path(arguments[2]))
 addon_host.enable()
-sidecar = addon_host.part("core.sidecar")
+sidecar = addon_host.part("core.bake.sidecar")
 frame, moment = int(arguments[1].split()[0]), arguments[1].split()[1]
 replaced, written = Path.replace, Path.write_bytes
 
@@ -231,7 +236,7 @@ def test_a_killed_bake_goes_on_to_the_same_bytes(tmp_path, moment, kept):
     files = files_of(obj)
     assert files.folder.parent == tmp_path / "kill me.dapple"
     assert files.frames() == kept
-    assert addon_host.part("blender.status.workfiles").unfinished(obj) == kept
+    assert addon_host.part("blender.freshness.unfinished_bakes").unfinished(obj) == kept
     stores, advances = counted_solves(), counted_advances()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     resumed = packed(obj)
@@ -243,7 +248,7 @@ def test_a_killed_bake_goes_on_to_the_same_bytes(tmp_path, moment, kept):
 
 KILLED_IN_PIECES = KILLED.replace(
     "bpy.ops.wm.open_mainfile",
-    """together = addon_host.part("core.together")
+    """together = addon_host.part("core.bake.window_bake")
 together.PIECE, together.OVERLAP = 3, 1
 bpy.ops.wm.open_mainfile""",
 )
@@ -251,7 +256,7 @@ bpy.ops.wm.open_mainfile""",
 
 def saved_in_pieces(path, monkeypatch):
     """A scatter whose frames are solved together, the first three of them, then the last four."""
-    together = addon_host.part("core.together")
+    together = addon_host.part("core.bake.window_bake")
     monkeypatch.setattr(together, "PIECE", 3)
     monkeypatch.setattr(together, "OVERLAP", 1)
     obj = scenes.scattered(scenes.tail(frames=FRAMES))
@@ -262,7 +267,7 @@ def saved_in_pieces(path, monkeypatch):
 
 def taken():
     """Bake; how many frames were solved before."""
-    steps, baking = addon_host.part("core.steps"), addon_host.part("blender.steps.baking")
+    steps, baking = addon_host.part("core.base.steps"), addon_host.part("blender.bake.steps")
     return steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES)).taken
 
 
@@ -277,7 +282,7 @@ def test_a_killed_bake_in_pieces_goes_on_to_the_same_bytes(
     saved_in_pieces(path, monkeypatch)
     child.killed(KILLED_IN_PIECES, path, moment, tmp_path / "repository")
     obj = opened(path)
-    assert addon_host.part("blender.status.workfiles").unfinished(obj) == kept
+    assert addon_host.part("blender.freshness.unfinished_bakes").unfinished(obj) == kept
     assert taken() == of_whole_pieces
     resumed = packed(obj)
     files_of(obj).clear()
@@ -349,13 +354,13 @@ def test_frames_ahead_follow_when_the_file_is_saved_under_another_name(tmp_path,
 def test_pieces_of_another_length_are_solved_anew(tmp_path, monkeypatch):
     saved_in_pieces(tmp_path / "longer.blend", monkeypatch)
     stop_after(1)
-    monkeypatch.setattr(addon_host.part("core.together"), "OVERLAP", 2)
+    monkeypatch.setattr(addon_host.part("core.bake.window_bake"), "OVERLAP", 2)
     assert taken() == 0
 
 
 def counted_advances():
     """Counts frames that the tracker solves from here on; call the result to read it and stop."""
-    baker = addon_host.part("core.bake").Baker
+    baker = addon_host.part("core.bake.baker").Baker
     advance, seen = baker.advance, []
 
     def noting(self, context):
@@ -372,7 +377,7 @@ def counted_advances():
 
 def counted_solves():
     """Counts frames that are stored from here on; call the result to read it and stop."""
-    sidecar = addon_host.part("core.sidecar").Sidecar
+    sidecar = addon_host.part("core.bake.sidecar").Sidecar
     store, seen = sidecar.store, []
 
     def noting(self, frame, *rest, **named):
@@ -439,14 +444,14 @@ def test_work_files_of_an_unfinished_bake_outlive_saving(tmp_path):
 
 def stop_after(count):
     """Bake in steps, canceled when so many frames are kept; what was said."""
-    steps, baking = addon_host.part("core.steps"), addon_host.part("blender.steps.baking")
+    steps, baking = addon_host.part("core.base.steps"), addon_host.part("blender.bake.steps")
     files = files_of(bpy.context.object)
     stepper = steps.Stepper(baking.bake_steps(bpy.context, 1, FRAMES))
     try:
         while not stepper.poll(wait=5.0):
             if files.frames() >= count:
                 stepper.cancel()
-    except addon_host.part("core.errors").StoppedError as stopped:
+    except addon_host.part("core.base.errors").StoppedError as stopped:
         return str(stopped)
     finally:
         stepper.close()
@@ -466,7 +471,7 @@ def test_canceling_says_what_is_kept_and_baking_goes_on(tmp_path):
 
 def test_an_unsaved_file_keeps_its_frames_in_the_temporary_folder_and_says_so():
     obj = scenes.scattered(scenes.tail(frames=FRAMES))
-    workfiles = addon_host.part("blender.status.workfiles")
+    workfiles = addon_host.part("blender.freshness.unfinished_bakes")
     assert Path(bpy.app.tempdir) in files_of(obj).folder.parents
     assert "after Blender closes" in workfiles.unsaved_note()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
@@ -477,7 +482,7 @@ def test_an_unsaved_file_keeps_its_frames_in_the_temporary_folder_and_says_so():
 def test_a_folder_that_cannot_be_written_does_not_stop_the_bake(tmp_path):
     obj = saved_scatter(tmp_path / "blocked.blend")
     (tmp_path / "blocked.dapple").write_text("a file where the folder should be")
-    steps, baking = addon_host.part("core.steps"), addon_host.part("blender.steps.baking")
+    steps, baking = addon_host.part("core.base.steps"), addon_host.part("blender.bake.steps")
     baker = steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES))
     assert baker.trouble.startswith(f"Frames cannot be kept in '{tmp_path}")
     assert obj.dapple.baked_frames == FRAMES
@@ -494,11 +499,11 @@ def stopped(path=None):
 
 
 def going_on(obj):
-    return addon_host.part("blender.status.workfiles").unfinished(obj)
+    return addon_host.part("blender.freshness.unfinished_bakes").unfinished(obj)
 
 
 def left_over(obj):
-    return addon_host.part("blender.status.workfiles").left_over(obj)
+    return addon_host.part("blender.freshness.unfinished_bakes").left_over(obj)
 
 
 def expect_to_go_on(obj, kept):
@@ -699,7 +704,7 @@ def test_a_bake_begins_with_points_that_a_script_has_changed(tmp_path):
 def test_the_panel_looks_at_the_disk_only_when_something_was_changed(tmp_path, monkeypatch):
     obj = stopped(tmp_path / "first.blend")
     kept = going_on(obj)
-    workfiles = addon_host.part("blender.status.workfiles")
+    workfiles = addon_host.part("blender.freshness.unfinished_bakes")
     for name in ("_count", "start_digest"):
         monkeypatch.setattr(workfiles, name, lambda *_: pytest.fail("it was looked up anew"))
     assert going_on(obj) == kept

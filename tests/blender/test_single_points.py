@@ -17,7 +17,7 @@ from test_keep_points import stored
 
 
 def columns(obj):
-    return addon_host.part("blender.data.points").point_columns_of(obj)
+    return addon_host.part("blender.scatter.points").point_columns_of(obj)
 
 
 def ids(obj):
@@ -161,7 +161,7 @@ def test_what_extruding_and_a_click_make_are_points(obj):
 
 
 def test_a_ray_meets_the_surface_alone(obj):
-    picking, vector = addon_host.part("blender.surface.picking"), Vector
+    picking, vector = addon_host.part("blender.hand_points.picking"), Vector
     surface = obj.dapple.surface
     surface.location.x = 1.0
     bpy.context.view_layer.update()
@@ -216,7 +216,7 @@ def test_on_a_posed_surface_the_points_are_shown_where_it_is():
     there = scenes.positions(obj)
     bpy.ops.dapple.edit_points()
     bpy.ops.object.mode_set(mode="OBJECT")
-    meshio = addon_host.part("blender.base.meshio")
+    meshio = addon_host.part("blender.base.mesh_arrays")
     np.testing.assert_allclose(meshio.read_points(obj.data), there, atol=1e-4)
     bpy.ops.object.mode_set(mode="EDIT")
     change_points(obj, moved=[(4, there[5] + 0.02)])
@@ -354,7 +354,7 @@ class Mouse:
     """Events over a place, in a window that notes what it is told."""
 
     def __init__(self, monkeypatch):
-        self.tool = addon_host.part("blender.ops.point_tool")
+        self.tool = addon_host.part("blender.hand_points.tool")
         self.reported, self.cursor, self.lines = [], [], []
         monkeypatch.setattr(self.tool, "Line", lambda _, start: Pulled(self.lines, start))
         monkeypatch.setattr(self.tool, "place_under_mouse", lambda _, event: event.place)
@@ -435,7 +435,7 @@ def test_the_tool_leaves_what_is_not_meant(obj, monkeypatch):
 
 def test_the_tool_is_added_and_taken_back():
     tools = importlib.import_module("bl_ui.space_toolsystem_toolbar").VIEW3D_PT_tools_active
-    tool = addon_host.part("blender.ops.point_tool")
+    tool = addon_host.part("blender.hand_points.tool")
     before = list(tools._tools["OBJECT"])
     tool.add_tool()
     assert "dapple.points" in [getattr(one, "idname", "") for one in flat(tools._tools["OBJECT"])]

@@ -11,7 +11,7 @@ import scenes
 
 
 def reason(obj):
-    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
 @pytest.fixture
@@ -101,7 +101,7 @@ def test_a_removed_surface_is_said(baked):
 
 
 def arrays(vertices, matrix=None):
-    surface = addon_host.part("core.surface")
+    surface = addon_host.part("core.surface.arrays")
     faces = np.array([(0, 1, 2)], dtype=np.int32)
     return surface.SurfaceArrays(
         "Any", vertices, faces, "t", np.eye(4) if matrix is None else matrix
@@ -109,7 +109,7 @@ def arrays(vertices, matrix=None):
 
 
 def test_a_sketch_sees_one_vertex_and_not_the_place_of_the_object():
-    stale = addon_host.part("core.stale")
+    stale = addon_host.part("core.solve.stale")
     random = np.random.Generator(np.random.PCG64(1))
     vertices = random.normal(size=(1000, 3))
     stored = stale.sketch(arrays(vertices))
@@ -128,7 +128,10 @@ def test_a_sketch_sees_one_vertex_and_not_the_place_of_the_object():
 
 @pytest.mark.parametrize("stored", ["", "no json", "[1]", '{"seed": 0}'])
 def test_settings_that_cannot_be_read_are_all_changed(stored):
-    stale, settings = addon_host.part("core.stale"), addon_host.part("core.settings").Settings()
+    stale, settings = (
+        addon_host.part("core.solve.stale"),
+        addon_host.part("core.settings.values").Settings(),
+    )
     changed = stale.changed_settings(stored, settings)
     assert "count" in changed
     assert ("seed" in changed) == ("seed" not in stored)

@@ -14,12 +14,12 @@ import scenes
 
 @pytest.fixture
 def steps():
-    return addon_host.part("core.steps")
+    return addon_host.part("core.base.steps")
 
 
 @pytest.fixture
 def errors():
-    return addon_host.part("core.errors")
+    return addon_host.part("core.base.errors")
 
 
 def finish(stepper, limit=60.0):
@@ -92,7 +92,7 @@ def test_an_idle_thread_keeps_nothing_of_its_task(steps):
 
 
 def test_disabling_ends_idle_threads(steps):
-    worker = addon_host.part("core.worker")
+    worker = addon_host.part("core.base.worker")
 
     def generator():
         yield steps.Task(lambda _: None)
@@ -124,9 +124,9 @@ def test_an_error_of_the_worker_is_raised_where_it_was_asked_for(steps):
 
 @pytest.mark.parametrize("smoothing", ["FORWARD", "BOTH_WAYS"])
 def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps, smoothing, monkeypatch):
-    baking = addon_host.part("blender.steps.baking")
-    monkeypatch.setattr(addon_host.part("core.together"), "PIECE", 3)
-    monkeypatch.setattr(addon_host.part("core.together"), "OVERLAP", 1)
+    baking = addon_host.part("blender.bake.steps")
+    monkeypatch.setattr(addon_host.part("core.bake.window_bake"), "PIECE", 3)
+    monkeypatch.setattr(addon_host.part("core.bake.window_bake"), "OVERLAP", 1)
     obj = scenes.scattered(scenes.tail())
     obj.dapple.bake_smoothing = smoothing
     bpy.context.scene.frame_set(3)
@@ -145,7 +145,7 @@ def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps, smoothing, monke
 
 @pytest.mark.parametrize("polls", [0, 1, 3])
 def test_a_canceled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
-    baking = addon_host.part("blender.steps.baking")
+    baking = addon_host.part("blender.bake.steps")
     scenes.scattered(scenes.tail(), count=300)
     bpy.context.scene.frame_set(3)
     before = scenes.snapshot()
@@ -160,7 +160,7 @@ def test_a_canceled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
 
 
 def test_a_canceled_optimization_leaves_the_scene_as_it_was(steps, errors):
-    work = addon_host.part("blender.steps.work")
+    work = addon_host.part("blender.solve.optimize")
     obj = scenes.scattered(scenes.tail())
     obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 3000, 1e-9, 100_000
     before = scenes.snapshot()
@@ -174,7 +174,7 @@ def test_a_canceled_optimization_leaves_the_scene_as_it_was(steps, errors):
 
 
 def test_closing_stops_the_worker_and_restores_the_frame(steps):
-    baking = addon_host.part("blender.steps.baking")
+    baking = addon_host.part("blender.bake.steps")
     scenes.scattered(scenes.tail())
     bpy.context.scene.frame_set(2)
     before = scenes.snapshot()
@@ -184,11 +184,11 @@ def test_closing_stops_the_worker_and_restores_the_frame(steps):
     assert scenes.snapshot() == before
     assert not stepper.waits
     at_work = [thread for thread in threading.enumerate() if thread.name == "dapple"]
-    assert len(at_work) == len(addon_host.part("core.worker")._free)
+    assert len(at_work) == len(addon_host.part("core.base.worker")._free)
 
 
 def test_a_scatter_removed_meanwhile_is_named(steps, errors):
-    work = addon_host.part("blender.steps.work")
+    work = addon_host.part("blender.solve.optimize")
     obj = scenes.scattered(scenes.tail())
     name = obj.name
     stepper = steps.Stepper(work.optimize_steps(bpy.context))

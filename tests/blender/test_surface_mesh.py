@@ -37,7 +37,7 @@ def test_a_surface_has_the_triangles_and_corners_of_its_mesh(faces):
 
 
 def test_weights_of_a_group_are_those_of_each_vertex():
-    weights = addon_host.part("blender.surface.weights")
+    weights = addon_host.part("blender.surface.values")
     obj = scenes.tail()
     other = obj.vertex_groups.new(name="some")
     other.add([3, 5], 0.25, "REPLACE")
@@ -60,12 +60,15 @@ def test_weights_of_a_group_are_those_of_each_vertex():
 @pytest.mark.parametrize("kind", ["ico", "quads", "concave", "ngons", "mirrored", "meta"])
 def test_a_surface_read_in_parts_is_the_one_that_is_read_at_once(kind):
     surface = of_kind(kind)
-    parts, held = addon_host.part("blender.surface.parts"), addon_host.part("blender.base.held")
-    settings = addon_host.part("core.settings")
+    parts, held = (
+        addon_host.part("blender.surface.parts"),
+        addon_host.part("blender.base.object_handles"),
+    )
+    settings = addon_host.part("core.settings.values")
     asked = settings.Settings(density=settings.DensitySettings(attribute="Grass"))
     if kind == "meta":
         asked = settings.Settings()
-    steps = addon_host.part("core.steps")
+    steps = addon_host.part("core.base.steps")
     read = steps.run_now(parts.read_parts(asked, held.Held(surface), held.Held(surface)))
     found = read.arrays()
     expected = addon_host.part("blender.surface.surroundings").read_with(
@@ -112,8 +115,11 @@ def test_values_read_in_parts_are_those_that_are_read_at_once(domain, kind):
     width = 4 if kind == "BYTE_COLOR" else 1
     values = random.random(width * len(attribute.data)).astype(np.float32)
     attribute.data.foreach_set("color" if width == 4 else "value", values)
-    settings, parts = addon_host.part("core.settings"), addon_host.part("blender.surface.parts")
-    held, steps = addon_host.part("blender.base.held"), addon_host.part("core.steps")
+    settings, parts = (
+        addon_host.part("core.settings.values"),
+        addon_host.part("blender.surface.parts"),
+    )
+    held, steps = addon_host.part("blender.base.object_handles"), addon_host.part("core.base.steps")
     asked = settings.Settings(density=settings.DensitySettings(attribute="Moss"))
     read = steps.run_now(parts.read_parts(asked, held.Held(surface), held.Held(surface)))
     expected = addon_host.part("blender.surface.surroundings").read_with(

@@ -32,7 +32,7 @@ def fits(surface, obj, count=60):
 
 
 def reason(obj):
-    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
 def of_mesh(*data):
@@ -347,7 +347,7 @@ def test_curves_and_texts_are_surfaces_too(make):
     surface.location.z = 5.0
     bpy.context.view_layer.update()
     assert fits(surface, obj)
-    assert addon_host.part("blender.surface.weights").weight_names(surface) == []
+    assert addon_host.part("blender.surface.values").weight_names(surface) == []
 
 
 @pytest.mark.parametrize(

@@ -73,9 +73,9 @@ def test_an_image_that_repeats_is_cut_no_finer_than_the_points_need(times):
     for corner in uv.data:
         corner.uv = times * corner.uv
     obj.dapple.density.image = picture(values)
-    settings = addon_host.part("blender.data.scatter").settings_of(obj)
+    settings = addon_host.part("blender.scatter.object").settings_of(obj)
     arrays = addon_host.part("blender.surface.reading").read(obj.dapple.surface, settings)
-    ground = addon_host.part("core.ground").ground_of(arrays, settings)
+    ground = addon_host.part("core.density.ground").ground_of(arrays, settings)
     assert len(ground.surface.faces) < 30 * 400 + 2 * len(arrays.faces)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.report.converged
@@ -307,7 +307,10 @@ def test_what_cannot_be_a_density_is_told_and_nothing_is_lost(given, said):
 
 def test_a_result_of_before_these_settings_is_not_stale():
     """Files written before know nothing of them."""
-    stale, settings = addon_host.part("core.stale"), addon_host.part("core.settings").Settings()
+    stale, settings = (
+        addon_host.part("core.solve.stale"),
+        addon_host.part("core.settings.values").Settings(),
+    )
     old = stale.settings_text(settings).replace('"use_camera": false, ', "")
     assert "use_camera" not in old
     assert stale.changed_settings(old, settings) == []

@@ -66,7 +66,7 @@ def test_thin_bodies_are_even_and_nothing_is_said_of_a_spacing(addon, make, coun
     assert report.evaluations <= 40
     assert report.converged
     assert report.thin_share == 1.0
-    results = addon.blender.panels.results
+    results = addon.blender.solve.results_panel
     lines = [text for text, _ in results.result_lines(scatter, bpy.context)]
     figures = [text for text, _ in results.figure_lines(scatter)]
     assert not [line for line in (*lines, *figures) if "of ideal" in line]

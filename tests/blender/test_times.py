@@ -10,7 +10,7 @@ import scenes
 
 def reason(obj):
     bpy.context.view_layer.update()
-    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
 def played(obj, frames):

@@ -45,7 +45,7 @@ def named_in_panels():
 
 def numbers():
     """Those that an artist sees: settings, arguments of operators, figures of the result."""
-    tables = addon_host.part("core.tables").GROUPS.values()
+    tables = addon_host.part("core.settings.tables").GROUPS.values()
     shown = named_in_panels() | {setting.name for table in tables for setting in table}
     for kind, prop in properties():
         is_shown = issubclass(kind, bpy.types.Operator) or prop.identifier in shown

@@ -12,7 +12,7 @@ def check(obj):
 
 
 def refused(obj, words):
-    errors = addon_host.part("core.errors")
+    errors = addon_host.part("core.base.errors")
     with pytest.raises(errors.ScatterError, match=words):
         check(obj)
 

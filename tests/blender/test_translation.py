@@ -161,7 +161,7 @@ def test_names_of_settings_fit_beside_their_values(locale):
     """In a sidebar as wide as Blender opens it: 84 pixels are shown, of more the end is cut."""
     texts = catalog(locale) if locale else {}
     width_of = addon_host.part("blender.base.labels").width_of
-    tables = addon_host.part("core.tables")
+    tables = addon_host.part("core.settings.tables")
     wide = {}
     for setting in (one for group in tables.GROUPS.values() for one in group):
         if setting.kind.name == "SWITCH" or setting.name in ELSEWHERE:
@@ -177,7 +177,7 @@ def test_names_of_settings_fit_beside_their_values(locale):
 def test_names_that_blender_translates_otherwise_fit_too(german):
     """Blender's words go before those of a catalog, unless a setting has its own."""
     width_of = addon_host.part("blender.base.labels").width_of
-    tables = addon_host.part("core.tables")
+    tables = addon_host.part("core.settings.tables")
     settings = [one for group in tables.GROUPS.values() for one in group]
     said = {}
     for setting in settings:
@@ -239,7 +239,7 @@ def test_a_file_keeps_english(german):
     obj.dapple.seed = 9
     get_input = addon_host.part("nodes").get_input
     assert get_input(obj.modifiers[0], "Warning") == "Settings were changed (Seed): optimize again"
-    assert "Einstellungen" in addon_host.part("blender.status.staleness").stale_reason(
+    assert "Einstellungen" in addon_host.part("blender.freshness.staleness").stale_reason(
         obj, bpy.context
     )
     obj.dapple.surface = None
@@ -254,7 +254,7 @@ def test_names_with_braces_are_shown_as_they_are(german):
     bpy.data.collections.new("Away").objects.link(surface)
     for collection in list(surface.users_collection):
         collection.objects.unlink(surface)
-    reason = addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    reason = addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
     assert reason.startswith("Oberfläche '{0} {count} }{'")
 
 

@@ -304,6 +304,6 @@ def test_auto_update_waits_for_it(artist, obj, live):
 
 
 def test_scripts_and_background_mode_are_served_at_once(obj):
-    assert addon_host.part("blender.base.under_way").at_once
+    assert addon_host.part("blender.base.jobs").at_once
     assert bpy.ops.dapple.bake("INVOKE_DEFAULT") == {"FINISHED"}
     assert obj.dapple.baked_keys == 6

@@ -186,7 +186,7 @@ def selected_points():
 def test_steps_are_called_what_the_artist_has_done(live, artist, monkeypatch):
     """Blender lists them in Edit > Undo History."""
     names = []
-    for module in ("base.under_way", "live.written"):
+    for module in ("base.jobs", "solve.written"):
         monkeypatch.setattr(addon_host.part(f"blender.{module}"), "push_undo", names.append)
     surface = scenes.sphere()
     artist.press("add", count=30)
@@ -194,9 +194,9 @@ def test_steps_are_called_what_the_artist_has_done(live, artist, monkeypatch):
     obj = bpy.data.objects["Sphere Scatter"]
     live.watcher.ask(obj)
     live.settle()
-    asset = addon_host.part("blender.steps.marking").marked(obj)
+    asset = addon_host.part("blender.assets.marking").marked(obj)
     bpy.context.scene.collection.objects.link(asset)
-    addon_host.part("blender.live.placing")._place(asset, surface)
+    addon_host.part("blender.assets.dropped")._place(asset, surface)
     live.settle()
     assert names == ["Add Scatter", "Optimize", "Place Scatter"]
     labels = [kind.bl_label for kind in addon_host.part("blender")._CLASSES if has_step(kind)]

@@ -175,11 +175,11 @@ def check():
     assert np.isfinite(places).all()
     assert np.isfinite(scenes.positions(obj)).all()
     if obj.dapple.baked_keys:
-        assert addon_host.part("blender.data.key_stores").read_baked(obj).frame_count == 2
+        assert addon_host.part("blender.scatter.key_stores").read_baked(obj).frame_count == 2
     elif obj.dapple.report.count:
         assert obj.dapple.report.count == count
     context = bpy.context
-    addon_host.part("blender.status.staleness").stale_reason(obj, context)
+    addon_host.part("blender.freshness.staleness").stale_reason(obj, context)
 
 
 @pytest.mark.parametrize("seed", range(FIRST, FIRST + WALKS))
@@ -199,6 +199,6 @@ def test_walks(seed, tmp_path):
         print(f"To repeat: DAPPLE_FIRST={seed} DAPPLE_WALKS=1 DAPPLE_STEPS={STEPS}\n  {steps}")
         raise
     finally:
-        addon_host.part("blender.viewport.overlay").stop()
-        previews = addon_host.part("blender.viewport.preview")._state.previews
+        addon_host.part("blender.density.overlay").stop()
+        previews = addon_host.part("blender.display.preview")._state.previews
         previews.clear()

@@ -65,7 +65,7 @@ def test_whole_counts_on_separate_parts_are_said(addon):
     bpy.context.view_layer.objects.active = obj
     scatter = scattered(120)
     assert scatter.dapple.report.whole_count_variation > 0.1
-    lines = [text for text, _ in addon.blender.panels.results.figure_lines(scatter)]
+    lines = [text for text, _ in addon.blender.solve.results_panel.figure_lines(scatter)]
     assert any("whole numbers" in line for line in lines)
 
 

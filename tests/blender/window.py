@@ -54,13 +54,13 @@ def added(surface):
 
 def until_optimized(escape_after=None):
     """Press Optimize, which holds nothing, and wait until it is done in the background."""
-    live = addon_host.part("blender.live.watcher")
+    live = addon_host.part("blender.solve.auto_update")
     yield from until(bpy.ops.dapple.optimize, live.is_active, escape_after)
 
 
 def until_idle(operator, escape_after=None, **options):
     """Press a button of long work, which holds nothing either, and wait until it is done."""
-    work = addon_host.part("blender.base.under_way")
+    work = addon_host.part("blender.base.jobs")
     yield from until(operator, lambda: work.current() is not None, escape_after, **options)
 
 
@@ -107,7 +107,7 @@ def refused(surface):
     before = scenes.snapshot()
     yield from until_idle(bpy.ops.dapple.bake)
     assert scenes.snapshot() == before
-    ((kind, text),) = addon_host.part("blender.base.under_way").notes(bpy.context.object)
+    ((kind, text),) = addon_host.part("blender.base.jobs").notes(bpy.context.object)
     assert kind == "ERROR"
     assert "changes its topology" in text
 

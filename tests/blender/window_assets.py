@@ -44,7 +44,7 @@ def events():
 
 def placed():
     """Whether it has its points, and nothing goes on any more."""
-    live = addon_host.part("blender.live.watcher")
+    live = addon_host.part("blender.solve.auto_update")
     return dropped() is not None and len(dropped().data.vertices) == 90 and not live.is_active()
 
 

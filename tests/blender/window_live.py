@@ -88,7 +88,7 @@ def stroke(surface):
 
 def optimized_while_moving():
     """Optimize is pressed and an object moved: the points come once that has ended."""
-    live = addon_host.part("blender.live.watcher")
+    live = addon_host.part("blender.solve.auto_update")
     scatter().dapple.auto_update_choice = "OFF"
     scatter().dapple.count = 350
     bpy.context.view_layer.objects.active = scatter()
@@ -132,7 +132,7 @@ def escape():
     bpy.context.view_layer.objects.active = obj
     before = [tuple(vertex.co) for vertex in obj.data.vertices]
     obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 60_000, 1e-9, 100_000
-    live = addon_host.part("blender.live.watcher")
+    live = addon_host.part("blender.solve.auto_update")
     yield from waited(lambda: live._state.job is not None and live.progress(obj) > 0.0)
     assert not the_window().modal_operators  # no operator captures the mouse
     yield from shot("live-progress")
@@ -158,10 +158,10 @@ def has_points(count):
 
 def fits(count):
     """Whether there are so many points, and they are those of what is there now."""
-    live, obj = addon_host.part("blender.live.watcher"), scatter()
+    live, obj = addon_host.part("blender.solve.auto_update"), scatter()
     if live.is_active() or len(obj.data.vertices) != count:
         return False
-    return not addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+    return not addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
 def panel_is_open():

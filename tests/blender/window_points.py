@@ -146,10 +146,10 @@ def same(one, other):
 
 def settled(count):
     """Whether there are so many points, and they are those of what is there now."""
-    live = addon_host.part("blender.live.watcher")
+    live = addon_host.part("blender.solve.auto_update")
     if live.is_active() or len(scatter().data.vertices) != count:
         return False
-    return not addon_host.part("blender.status.staleness").stale_reason(scatter(), bpy.context)
+    return not addon_host.part("blender.freshness.staleness").stale_reason(scatter(), bpy.context)
 
 
 def on_screen(place):

@@ -9,15 +9,15 @@ import pytest
 from dapple3d import density
 from shapes import torus
 
-from addon.core import raw
-from addon.core.density import density_of
-from addon.core.errors import ScatterError
-from addon.core.ground import ground_of
-from addon.core.keep import Before, evened, is_whole, kept
-from addon.core.locked import Locked
-from addon.core.settings import MATERIAL, ClassSettings, DensitySettings, Settings
-from addon.core.solve import scatter
-from addon.core.surface import SurfaceArrays
+from addon.core.base.errors import ScatterError
+from addon.core.density.ground import ground_of
+from addon.core.density.terms import density_of
+from addon.core.settings.values import MATERIAL, ClassSettings, DensitySettings, Settings
+from addon.core.solve.incremental import Before, evened, is_whole, kept
+from addon.core.solve.locked import Locked
+from addon.core.solve.solve import scatter
+from addon.core.surface import mesh_snapshot
+from addon.core.surface.arrays import SurfaceArrays
 
 VERTICES, FACES = torus(48, 24)
 RANDOM = np.random.default_rng(5)
@@ -163,7 +163,9 @@ def test_points_beside_locked_ones_leave_faces_whose_density_is_0(count):
 
 def test_a_value_that_is_no_density_is_named_where_it_is():
     for domain, said in (("POINT", "vertex 1"), ("FACE", "face 1"), ("CORNER", "face corner 1")):
-        values = raw.RawValues("Grass", domain, np.array([1.0, -2.0, 3.0], dtype=np.float32))
+        values = mesh_snapshot.RawValues(
+            "Grass", domain, np.array([1.0, -2.0, 3.0], dtype=np.float32)
+        )
         with pytest.raises(ScatterError, match=f"'Grass' is -2 at {said}; a density must be"):
             values.numbers("Torus")
 
@@ -172,17 +174,19 @@ def test_triangles_have_the_values_of_their_polygons_and_corners():
     starts = np.array([0, 5, 8], dtype=np.int32)  # a pentagon, a triangle, a quad
     cut = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4], [5, 6, 7], [8, 9, 10], [8, 10, 11]])
     values = [
-        raw.RawValues("Of faces", "FACE", np.array([True, False, True])),
-        raw.RawValues("Of corners", "CORNER", np.arange(12, dtype=np.int32)),
-        raw.RawValues("Colors", "FACE", np.array([[0, 1, 2, 9], [3, 3, 3, 9], [0, 0, 3, 9.0]])),
+        mesh_snapshot.RawValues("Of faces", "FACE", np.array([True, False, True])),
+        mesh_snapshot.RawValues("Of corners", "CORNER", np.arange(12, dtype=np.int32)),
+        mesh_snapshot.RawValues(
+            "Colors", "FACE", np.array([[0, 1, 2, 9], [3, 3, 3, 9], [0, 0, 3, 9.0]])
+        ),
     ]
-    found, digests = raw.placed_values("Mixed", values, starts, cut[:, ::-1])
+    found, digests = mesh_snapshot.placed_values("Mixed", values, starts, cut[:, ::-1])
     assert found["Of faces"][:, 0].tolist() == [1.0, 1.0, 1.0, 0.0, 1.0, 1.0]
     assert (found["Of corners"] == cut[:, ::-1]).all()
     assert found["Colors"][:, 0].tolist() == [1.0, 1.0, 1.0, 3.0, 1.0, 1.0]
     other = cut.copy()
     other[4:] = [[8, 9, 11], [9, 10, 11]]  # the quad along its other diagonal
-    assert raw.placed_values("Mixed", values, starts, other)[1] == digests
+    assert mesh_snapshot.placed_values("Mixed", values, starts, other)[1] == digests
 
 
 def test_points_spread_evenly_over_faces_that_get_a_density():

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from shapes import torus
 
-from addon.core.errors import ScatterError
-from addon.core.keep import Before, as_placed, evened, is_whole, keeps, kept, measured
-from addon.core.locked import Locked
-from addon.core.records import Binding
-from addon.core.settings import ClassSettings, DensitySettings, Settings
-from addon.core.solve import Scattered, scatter
-from addon.core.surface import SurfaceArrays, Surroundings
+from addon.core.base.errors import ScatterError
+from addon.core.settings.values import ClassSettings, DensitySettings, Settings
+from addon.core.solve.incremental import Before, as_placed, evened, is_whole, keeps, kept, measured
+from addon.core.solve.locked import Locked
+from addon.core.solve.solve import Scattered, scatter
+from addon.core.surface.arrays import SurfaceArrays, Surroundings
+from addon.core.surface.records import Binding
 
 ROWS = ("corners", "barycentric", "carry", "loops")
 BY_AREA = Settings(per_area=60.0)

@@ -10,12 +10,14 @@ import pytest
 from dapple3d.density import noise
 from mask_checks import CUBE, CUBE_FACES, SQUARE, TWO, by_hand, falls, winding
 
-from addon.core import density_colors, raw, sources, stale
-from addon.core.density import fields_of, range_of
-from addon.core.density_table import DENSITY
-from addon.core.ground import ground_of
-from addon.core.settings import DensitySettings, Settings
-from addon.core.surface import SurfaceArrays, Surroundings
+from addon.core.density import colors as density_colors
+from addon.core.density.ground import ground_of
+from addon.core.density.terms import fields_of, range_of
+from addon.core.settings.density_table import DENSITY
+from addon.core.settings.values import DensitySettings, Settings
+from addon.core.solve import stale
+from addon.core.surface import mesh_snapshot, sources
+from addon.core.surface.arrays import SurfaceArrays, Surroundings
 
 RANDOM = np.random.default_rng(7)
 
@@ -245,21 +247,21 @@ def test_a_whole_scene_may_move():
 @pytest.mark.parametrize("channels", [1, 2, 3, 4])
 def test_channels_of_an_image(channels):
     pixels = RANDOM.uniform(0.1, 1.0, (3, 5, channels)).astype(np.float32)
-    image = raw.RawImage("Any", pixels)
+    image = mesh_snapshot.RawImage("Any", pixels)
     color = pixels[:, :, :3] if channels >= 3 else np.repeat(pixels[:, :, :1], 3, axis=2)
     opacity = pixels[:, :, -1] if channels in (2, 4) else np.ones((3, 5))
     for k, name in enumerate(("RED", "GREEN", "BLUE")):
-        np.testing.assert_allclose(raw.shade(image, name), color[:, :, k])
-    np.testing.assert_allclose(raw.shade(image, "ALPHA"), opacity)
+        np.testing.assert_allclose(mesh_snapshot.shade(image, name), color[:, :, k])
+    np.testing.assert_allclose(mesh_snapshot.shade(image, "ALPHA"), opacity)
     expected = color.astype(float).mean(axis=2) * opacity
-    np.testing.assert_allclose(raw.shade(image, "BRIGHTNESS"), expected)
+    np.testing.assert_allclose(mesh_snapshot.shade(image, "BRIGHTNESS"), expected)
 
 
 def test_an_empty_channel_is_told():
     pixels = np.ones((2, 2, 4), dtype=np.float32)
     pixels[:, :, 1] = 0.0
     with pytest.raises(Exception, match="Image 'Any' is 0 in its channel Green everywhere"):
-        raw.shade(raw.RawImage("Any", pixels), "GREEN")
+        mesh_snapshot.shade(mesh_snapshot.RawImage("Any", pixels), "GREEN")
 
 
 def test_colors_of_one_term_are_of_its_own_scale():

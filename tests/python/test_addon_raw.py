@@ -4,14 +4,14 @@
 import numpy as np
 import pytest
 
-from addon.core import raw
+from addon.core.surface import mesh_snapshot
 
 
 def mesh_of(positions, polygons):
     starts = np.cumsum([0, *map(len, polygons)])[:-1]
     corners = np.concatenate(polygons)
     singles = np.asarray(positions, dtype=np.float32)
-    return raw.RawMesh("Mesh", singles, corners.astype(np.int32), starts.astype(np.int32))
+    return mesh_snapshot.RawMesh("Mesh", singles, corners.astype(np.int32), starts.astype(np.int32))
 
 
 def places(mesh, triangles):
@@ -33,7 +33,7 @@ def test_quads_on_each_other_are_cut_alike(own, second):
     positions = SQUARE + far + (SQUARE if own else [])
     polygons = [(0, 1, 2, 3), (4, 5, 6, 7), tuple(v + 8 * own for v in second)]
     mesh = mesh_of(positions, polygons)
-    found = raw.triangle_corners(mesh)
+    found = mesh_snapshot.triangle_corners(mesh)
     assert set(places(mesh, found[:2])) == set(places(mesh, found[4:]))
     np.testing.assert_array_equal(found[2:4], [[4, 5, 6], [4, 6, 7]])
     normals = [
@@ -47,7 +47,7 @@ def test_quads_on_each_other_are_cut_alike(own, second):
 def test_quads_of_other_corners_are_cut_as_blender_does():
     mesh = mesh_of([*SQUARE, (0, 0, 1), (1, 0, 1)], [(0, 1, 2, 3), (1, 0, 4, 5), (3, 2, 5, 4)])
     expected = [(0, 1, 2), (0, 2, 3), (4, 5, 6), (4, 6, 7), (8, 9, 10), (8, 10, 11)]
-    np.testing.assert_array_equal(raw.triangle_corners(mesh), expected)
+    np.testing.assert_array_equal(mesh_snapshot.triangle_corners(mesh), expected)
 
 
 def test_polygons_on_each_other_are_cut_alike():
@@ -65,8 +65,10 @@ def test_polygons_on_each_other_are_cut_alike():
         (6, 9, 10),
         (6, 10, 11),
     ]
-    mesh = raw.RawMesh("Mesh", mesh.positions, mesh.corners, mesh.starts, np.array(cut, np.int32))
-    found = raw.triangle_corners(mesh)
+    mesh = mesh_snapshot.RawMesh(
+        "Mesh", mesh.positions, mesh.corners, mesh.starts, np.array(cut, np.int32)
+    )
+    found = mesh_snapshot.triangle_corners(mesh)
     np.testing.assert_array_equal(found[:4], cut[:4])
     assert set(places(mesh, found[:4])) == set(places(mesh, found[4:]))
 
@@ -75,5 +77,5 @@ def test_all_sides_of_a_cube_are_cut_alike_twice():
     corners = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
     sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
     mesh = mesh_of(corners, sides + [side[::-1] for side in sides])
-    found = places(mesh, raw.triangle_corners(mesh))
+    found = places(mesh, mesh_snapshot.triangle_corners(mesh))
     assert len(set(found)) == 12

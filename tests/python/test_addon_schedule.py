@@ -3,7 +3,7 @@
 
 import pytest
 
-from addon.core.schedule import PAUSE, Schedule
+from addon.core.base.schedule import PAUSE, Schedule
 
 
 class Clock:

@@ -139,18 +139,18 @@ def belongs_to_addon(name):
 
 
 def test_a_new_option_is_a_setting_of_the_add_on(core):
-    (setting,) = [one for one in core("tables").GROUPS[""] if one.name == "damping"]
+    (setting,) = [one for one in core("settings.tables").GROUPS[""] if one.name == "damping"]
     assert (setting.kind.name, setting.default) == ("NUMBER", 0.25)
     assert (setting.low, setting.high) == (0.0, 1.0)
     assert setting.label == "Damping"
     assert setting.tooltip == "Share of a step that is held back. In spacings"
-    assert setting in core("solver_options").EVENNESS, "a row of the panel"
-    assert "damping" in core("presets").NAMES[""]
-    assert core("quality").quality_settings("REGULAR")["damping"] == 0.25
+    assert setting in core("settings.solver_options").EVENNESS, "a row of the panel"
+    assert "damping" in core("settings.presets").NAMES[""]
+    assert core("settings.quality").quality_settings("REGULAR")["damping"] == 0.25
 
 
 def test_a_new_option_of_the_add_on_reaches_the_solver_and_the_check(core):
-    stale, settings = core("stale"), core("settings").Settings()
+    stale, settings = core("solve.stale"), core("settings.values").Settings()
     changed = dataclasses.replace(settings, damping=0.5)
     assert changed.sample_options()["damping"] == changed.tracker_options()["damping"] == 0.5
     assert stale.changed_settings(stale.settings_text(settings), changed) == ["damping"]
@@ -161,21 +161,25 @@ def test_a_new_option_of_the_add_on_reaches_the_solver_and_the_check(core):
 
 
 def test_a_new_option_touches_no_page_of_the_add_on(core, root):
-    assert any(one.name == "damping" for one in core("solver_options").SAMPLE)
+    assert any(one.name == "damping" for one in core("settings.solver_options").SAMPLE)
     script = runpy.run_path(str(root / "scripts/setting_tables.py"))
     page = script["PAGE"].read_text()
     assert script["written"](page) == page
 
 
 def test_the_add_on_has_no_options_without_the_package(core_alone):
-    assert core_alone("solver_options").SAMPLE == core_alone("solver_options").MOTION == ()
-    settings = core_alone("settings").Settings()
+    assert (
+        core_alone("settings.solver_options").SAMPLE
+        == core_alone("settings.solver_options").MOTION
+        == ()
+    )
+    settings = core_alone("settings.values").Settings()
     assert (settings.count, settings.sample_options()) == (1000, {})
-    assert "seed" not in core_alone("presets").NAMES[""]
+    assert "seed" not in core_alone("settings.presets").NAMES[""]
 
 
 def test_a_motion_keeps_its_own_limit_of_evaluations(core):
-    options = core("settings").Settings().tracker_options()
+    options = core("settings.values").Settings().tracker_options()
     assert {"stickiness", "tolerance"} <= options.keys()
     assert not {"seed", "max_evaluations"} & options.keys()
 
@@ -192,7 +196,7 @@ def test_the_add_on_gives_words_to_an_option_in_one_place(root, name):
     """Beside that, presets of quality set some, and the panel looks at the limit."""
     sources = (root / "addon").rglob("*.py")
     naming = {path.name for path in sources if re.search(rf"\b{name}\b", path.read_text())}
-    assert naming - {"quality.py", "results.py"} == {"solver_options.py"}
+    assert naming - {"quality.py", "results_panel.py"} == {"solver_options.py"}
 
 
 @pytest.mark.parametrize("name", ["repulsion_weight", "pattern_strength", "longest_motion"])

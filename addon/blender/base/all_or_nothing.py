@@ -9,8 +9,8 @@ from typing import Any
 
 import bpy
 
-from ...core.errors import ScatterError, StoppedError
-from .before import Before
+from ...core.base.errors import ScatterError, StoppedError
+from .file_snapshot import Before
 from .translation import operator_label, reported
 
 Status = set[str]  # that operators return

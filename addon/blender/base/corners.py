@@ -8,8 +8,8 @@ for a property, which takes a hundred times as long.
 import bpy
 import numpy as np
 
-from ...core.raw import Singles
-from ...core.surface import Floats, Ints, is_sheared
+from ...core.surface.arrays import Floats, Ints, is_sheared
+from ...core.surface.mesh_snapshot import Singles
 
 
 def corner_vertices(mesh: bpy.types.Mesh) -> Ints:

@@ -5,11 +5,11 @@ from typing import Any
 
 import bpy
 
-from ...core.steps import Task
+from ...core.base.steps import Task
 from ..base.times import show_time, time_of, times_of
-from ..status.contents import solved_time
-from ..status.present import AROUND, SURFACE, VALUES, Present
-from ..status.staleness import verdict
+from ..freshness.contents import solved_time
+from ..freshness.scene_snapshot import AROUND, SURFACE, VALUES, Present
+from ..freshness.staleness import verdict
 from ..surface.reading import frame_kept
 
 _NOTHING = Task(lambda _: None)

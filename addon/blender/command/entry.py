@@ -10,11 +10,11 @@ from typing import Any
 
 import bpy
 
-from ...core.errors import ScatterError, StoppedError
+from ...core.base.errors import ScatterError, StoppedError
 from .arguments import Asked, parsed
 from .report import write_report
+from .reporting import Stops, Teller, run_told
 from .shot import Shot
-from .telling import Stops, Teller, run_told
 from .verbs import CURRENT, OUTDATED, VERBS, Facts
 
 NAME = "dapple"

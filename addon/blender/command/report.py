@@ -7,8 +7,8 @@ from typing import Any
 
 import bpy
 
-from ...core.native import missing, package
-from ...core.whole import part_of, replacing
+from ...core.base.atomic_file import part_of, replacing
+from ...core.base.native import missing, package
 
 FORMAT = 1  # another number where a program that reads reports would not understand it
 

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import bpy
 
-from ...core.errors import ScatterError
-from ...core.native import missing
-from ...core.whole import part_of, remove_parts, replacing
+from ...core.base.atomic_file import part_of, remove_parts, replacing
+from ...core.base.errors import ScatterError
+from ...core.base.native import missing
 from ..base.translation import english
-from ..data.library import is_in_view_layer, read_only
-from ..data.scatter import is_scatter
-from ..status.workfiles import finished_files, saved
+from ..freshness.unfinished_bakes import finished_files, saved
+from ..scatter.library import is_in_view_layer, read_only
+from ..scatter.object import is_scatter
 from .arguments import Asked
 
 Stamp = tuple[int, int]

@@ -8,13 +8,13 @@ from typing import Any
 
 import bpy
 
-from ...core.bake import Baker
-from ...core.errors import ScatterError
-from ...core.steps import PAUSE, Steps
-from ..data.scatter import is_unsolved
+from ...core.bake.baker import Baker
+from ...core.base.errors import ScatterError
+from ...core.base.steps import PAUSE, Steps
+from ..bake.steps import bake_steps
 from ..export.points import export_points
-from ..steps.baking import bake_steps
-from ..steps.work import optimize_steps
+from ..scatter.object import is_unsolved
+from ..solve.optimize import optimize_steps
 from ..surface.reading import frame_kept
 from .arguments import Asked
 from .checking import stale_in

@@ -9,9 +9,9 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core.errors import ScatterError
-from ...core.exporting import Exported, Placed
-from ..base.meshio import read_columns
+from ...core.base.errors import ScatterError
+from ...core.export import Exported, Placed
+from ..base.mesh_arrays import read_columns
 from ..base.quiet import quiet
 
 _NO_ID = 2**31 - 1  # fills up persistent ids

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from ...core.exporting import Moment, check_path, skewed, write
+from ...core.export import Moment, check_path, skewed, write
 from ..surface.reading import frame_kept
 from .collecting import Collector, as_rendered
 from .prototypes import check_installed, references

@@ -12,8 +12,8 @@ from typing import Any
 import addon_utils
 import bpy
 
-from ...core.errors import ScatterError
-from ...core.exporting import GLTF, USD, identifiers, reference
+from ...core.base.errors import ScatterError
+from ...core.export import GLTF, USD, identifiers, reference
 
 _ROOT = "objects"
 _NO_USD = (

@@ -16,10 +16,10 @@ from bpy.props import (
     StringProperty,
 )
 
-from ...core.descriptors import DATA_BLOCKS, Changes, Kind, Setting
+from ...core.settings.descriptors import DATA_BLOCKS, Changes, Kind, Setting
 from ..base.translation import OWN
-from ..data.scatter import is_surface
-from ..surface.weights import weight_names
+from ..scatter.object import is_surface
+from ..surface.values import weight_names
 from .updates import instance_changed, material_changed, settings_changed
 
 STILL: set[str] = set()  # not animatable: update functions do not run during playback

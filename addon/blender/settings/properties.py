@@ -11,8 +11,8 @@ from bpy.props import (
     StringProperty,
 )
 
-from ...core.quality import CUSTOM, QUALITIES
-from ...core.tables import BOUND_TO, GROUPS
+from ...core.settings.quality import CUSTOM, QUALITIES
+from ...core.settings.tables import BOUND_TO, GROUPS
 from ...nodes import GROUP_NAME
 from ..base.translation import OWN
 from .making import STILL, DAPPLE_PG_material, with_settings

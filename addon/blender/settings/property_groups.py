@@ -15,8 +15,8 @@ from bpy.props import (
     StringProperty,
 )
 
-from ...core.density_table import SHOWN_TERMS
-from ...core.tables import GROUPS
+from ...core.settings.density_table import SHOWN_TERMS
+from ...core.settings.tables import GROUPS
 from ..base.translation import OWN
 from .making import STILL, with_settings
 from .updates import weight_changed

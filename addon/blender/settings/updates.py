@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import bpy
 
-from ...core.quality import CUSTOM, QUALITIES, quality_of, quality_settings
-from ...core.solver_options import EVENNESS
-from ..data.modifier import write_instance_inputs, write_warning
-from ..data.scatter import is_automatic
-from ..data.weights import follow_members, is_listed
-from ..surface.footprint import follow_bounds
+from ...core.settings.quality import CUSTOM, QUALITIES, quality_of, quality_settings
+from ...core.settings.solver_options import EVENNESS
+from ..scatter.footprint import follow_bounds
+from ..scatter.modifier import write_instance_inputs, write_warning
+from ..scatter.object import is_automatic
+from ..scatter.weights import follow_members, is_listed
 
 followers: list[Callable[[bpy.types.Object], None]] = []  # of changes; registration lists them
 _UNNAMED = re.compile(r"(Type|Class) \d+")

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is read of a surface and from beside it."""
+"""Surfaces and what is beside them, read as arrays; joined surfaces."""

@@ -6,9 +6,9 @@ from typing import Any
 
 import bpy
 
-from ...core.errors import ScatterError
-from ...core.settings import DensitySettings
-from ..data.joined import parts_of
+from ...core.base.errors import ScatterError
+from ...core.settings.values import DensitySettings
+from .joined import parts_of
 
 _MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 

@@ -3,9 +3,9 @@
 
 import bpy
 
-from ...core.errors import ScatterError
-from ...core.native import package
-from ..base.prepared import Prepared
+from ...core.base.errors import ScatterError
+from ...core.base.native import package
+from ..base.panel_values import Prepared
 from .surface_mesh import read_surface
 
 _MOST = 64

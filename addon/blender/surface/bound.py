@@ -6,14 +6,21 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ...core.errors import ScatterError
-from ...core.records import ROW_ATTRIBUTES, Binding, Columns, binding_from, check_binding, unbound
-from ...core.rest import AtRest, at_rest, bound_at_rest
-from ...core.steps import Steps, Task, run_now
-from ...core.surface import SurfaceArrays
-from ..base.meshio import to_local
-from ..data.points import own_columns, point_columns_of, read_at_rest, read_binding
-from ..data.scatter import is_fluid
+from ...core.base.errors import ScatterError
+from ...core.base.steps import Steps, Task, run_now
+from ...core.surface.arrays import SurfaceArrays
+from ...core.surface.records import (
+    ROW_ATTRIBUTES,
+    Binding,
+    Columns,
+    binding_from,
+    check_binding,
+    unbound,
+)
+from ...core.surface.rest import AtRest, at_rest, bound_at_rest
+from ..base.mesh_arrays import to_local
+from ..scatter.object import is_fluid
+from ..scatter.points import own_columns, point_columns_of, read_at_rest, read_binding
 from .surface_mesh import read_rest
 
 

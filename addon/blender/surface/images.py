@@ -12,9 +12,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import ScatterError
-from ...core.raw import RawImage
-from ...core.sources import digest_of
+from ...core.base.errors import ScatterError
+from ...core.surface.mesh_snapshot import RawImage
+from ...core.surface.sources import digest_of
 from .beside import by_full_name
 
 FIRST, ACROSS = 1001, 10  # of UDIM tiles: number 1001 + u + 10 v

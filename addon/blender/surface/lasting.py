@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import bpy
 
-from ..data.joined import parts_of
+from .joined import parts_of
 
 # Modifiers that leave weights as they are wherever vertices stay.
 _KEEPS_WEIGHTS = {

@@ -4,12 +4,12 @@
 import bpy
 import numpy as np
 
-from ...core.errors import ScatterError
-from ...core.keys import Baked
-from ...core.records import check_columns
-from ...core.surface import Floats
-from ..base.meshio import matrix_of, read_points, to_world
-from ..data.scatter import is_scatter
+from ...core.bake.keys import Baked
+from ...core.base.errors import ScatterError
+from ...core.surface.arrays import Floats
+from ...core.surface.records import check_columns
+from ..base.mesh_arrays import matrix_of, read_points, to_world
+from ..scatter.object import is_scatter
 from .played import points_now
 
 _MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 import bpy
 import numpy as np
 
-from ...core.errors import ScatterError
-from ...core.raw import RawValues
-from ...core.settings import MATERIAL
-from ..data.joined import parts_of
+from ...core.base.errors import ScatterError
+from ...core.settings.values import MATERIAL
+from ...core.surface.mesh_snapshot import RawValues
+from .joined import parts_of
 
 
 def surface_materials(

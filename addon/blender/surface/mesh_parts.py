@@ -10,16 +10,16 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core.errors import ScatterError
-from ...core.raw import RawMesh, RawValues
-from ...core.steps import PAUSE, Task
+from ...core.base.errors import ScatterError
+from ...core.base.steps import PAUSE, Task
+from ...core.surface.mesh_snapshot import RawMesh, RawValues
 from ..base.corners import corner_vertices, has_corner_normals, polygon_starts, shading_normals
-from ..base.held import Held
-from ..data.scatter import is_fluid
+from ..base.object_handles import Held
+from ..scatter.object import is_fluid
 from .materials import read_materials
 from .surface_mesh import evaluated_mesh
 from .surroundings import uv_layer
-from .weights import GROUP_PART, all_group_weights, group_of, group_weights, raw_values
+from .values import GROUP_PART, all_group_weights, group_of, group_weights, raw_values
 
 _AT_ONCE = 60_000  # vertices whose weights are read in one part, which takes half the time
 Parts = Generator[Task, Any, Any]

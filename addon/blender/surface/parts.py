@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from ...core.density import names_of
-from ...core.raw import RawImage, RawMesh, RawValues, laid_image, surface_of_raw
-from ...core.settings import DensitySettings, Settings, materials_of
-from ...core.steps import PAUSE
-from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings
-from ..base.held import Held
-from ..data.scatter import is_scatter
+from ...core.base.steps import PAUSE
+from ...core.density.terms import names_of
+from ...core.settings.values import DensitySettings, Settings, materials_of
+from ...core.surface.arrays import Floats, Ints, SurfaceArrays, Surroundings
+from ...core.surface.mesh_snapshot import RawImage, RawMesh, RawValues, laid_image, surface_of_raw
+from ..base.object_handles import Held
+from ..scatter.object import is_scatter
 from .beside import check_targets, obstacles_of, targets_of
 from .images import read_images
 from .lines import read_lines

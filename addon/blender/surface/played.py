@@ -5,16 +5,16 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import ScatterError
-from ...core.keys import Baked
-from ...core.records import Binding
-from ...core.sources import sources_from
-from ...core.surface import Floats
-from ..base.meshio import read_points, to_world
+from ...core.bake.keys import Baked
+from ...core.base.errors import ScatterError
+from ...core.surface.arrays import Floats
+from ...core.surface.records import Binding
+from ...core.surface.sources import sources_from
+from ..base.mesh_arrays import read_points, to_world
 from ..base.times import time_of
-from ..data.key_stores import check_keys, frames, read_baked, stored_object
-from ..data.points import own_points
-from ..data.scatter import surface_of
+from ..scatter.key_stores import check_keys, frames, read_baked, stored_object
+from ..scatter.object import surface_of
+from ..scatter.points import own_points
 from .bound import current_binding
 from .surface_mesh import read_surface
 

@@ -6,10 +6,10 @@ from contextlib import contextmanager
 
 import bpy
 
-from ...core.errors import ScatterError
-from ...core.settings import Settings
-from ...core.surface import SurfaceArrays, check_unchanged
-from ..base.held import Held
+from ...core.base.errors import ScatterError
+from ...core.settings.values import Settings
+from ...core.surface.arrays import SurfaceArrays, check_unchanged
+from ..base.object_handles import Held
 from ..base.times import show_time, time_of
 from .bound import with_rest
 from .surface_mesh import read_surface

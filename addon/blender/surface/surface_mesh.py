@@ -8,10 +8,10 @@ from contextlib import contextmanager
 import bpy
 import numpy as np
 
-from ...core.errors import ScatterError
-from ...core.raw import RawValues, cut_alike, placed_values, sizes, world_normals
-from ...core.sources import digest_of
-from ...core.surface import Floats, Ints, SurfaceArrays, topology_digest
+from ...core.base.errors import ScatterError
+from ...core.surface.arrays import Floats, Ints, SurfaceArrays, topology_digest
+from ...core.surface.mesh_snapshot import RawValues, cut_alike, placed_values, sizes, world_normals
+from ...core.surface.sources import digest_of
 from ..base.corners import (
     corner_vertices,
     has_corner_normals,
@@ -19,11 +19,11 @@ from ..base.corners import (
     shading_normals,
     triangle_corners,
 )
-from ..base.meshio import matrix_of, read_columns, read_points
-from ..data.joined import parts_of
-from ..data.scatter import is_fluid
+from ..base.mesh_arrays import matrix_of, read_columns, read_points
+from ..scatter.object import is_fluid
+from .joined import parts_of
 from .materials import read_materials
-from .weights import read_weights
+from .values import read_weights
 
 
 @contextmanager

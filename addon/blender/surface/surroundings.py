@@ -7,15 +7,15 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core.density import names_of
-from ...core.errors import ScatterError
-from ...core.keys import Baked
-from ...core.raw import laid_image
-from ...core.records import check_columns
-from ...core.settings import DensitySettings, Settings, materials_of
-from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings
-from ..base.meshio import matrix_of, read_columns
-from ..data.scatter import is_scatter
+from ...core.bake.keys import Baked
+from ...core.base.errors import ScatterError
+from ...core.density.terms import names_of
+from ...core.settings.values import DensitySettings, Settings, materials_of
+from ...core.surface.arrays import Floats, Ints, SurfaceArrays, Surroundings
+from ...core.surface.mesh_snapshot import laid_image
+from ...core.surface.records import check_columns
+from ..base.mesh_arrays import matrix_of, read_columns
+from ..scatter.object import is_scatter
 from .beside import check_targets, obstacles_of, targets_of
 from .images import is_film, read_images
 from .lasting import is_rigid, lasting

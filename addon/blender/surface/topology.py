@@ -12,9 +12,9 @@ from typing import Any
 
 import bpy
 
-from ...core.errors import ScatterError
+from ...core.base.errors import ScatterError
 from ..base.translation import Say, english
-from ..data.joined import parts_of
+from .joined import parts_of
 from .surface_mesh import evaluated_mesh, topology
 
 # Modifier type -> properties that the viewport and the render read.

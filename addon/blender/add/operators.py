@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that add a scatter: over what is selected, or over a collection as one surface."""
+
+from typing import Any
+
+import bpy
+from bpy.props import StringProperty
+
+from ...core.base.errors import ScatterError
+from ...core.base.steps import Steps
+from ...core.settings.tables import SCATTER
+from ..base.jobs import Outcome
+from ..base.step_operators import OPTIONS, AllOrNothing, StepsOperator
+from ..base.translation import reported, told
+from ..scatter.object import rest_note
+from ..settings.making import with_arguments
+from ..surface.joining import put_on_selected, selected_beside
+from ..surface.polls import free, ready
+from .steps import add_steps
+
+_ADDED_WITH = [setting for setting in SCATTER if setting.name in ("count", "seed", "bind_to")]
+
+
+class _Adds(StepsOperator):
+    """Adds a scatter, which is then active."""
+
+    properties: Any
+
+    def given(self) -> dict[str, Any]:
+        """Settings that were given."""
+        names = [setting.name for setting in _ADDED_WITH]
+        return {
+            name: getattr(self, name) for name in names if self.properties.is_property_set(name)
+        }
+
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        _into_local_views(obj, result.obj)
+        if context.object in (obj, None) and context.mode == "OBJECT":  # the artist waits for it
+            for other in context.selected_objects:
+                other.select_set(False)
+            result.obj.select_set(True)
+            context.view_layer.objects.active = result.obj
+        if result.note:
+            return Outcome(result.obj, [("WARNING", result.note)])
+        note = rest_note(result.obj, reported)
+        return Outcome(result.obj, [("INFO", note)] if note else [])
+
+
+def _into_local_views(seen: bpy.types.Object, new: bpy.types.Object) -> None:
+    """Have a new object be seen wherever another one is, also where only some are."""
+    areas = [area for window in bpy.context.window_manager.windows for area in window.screen.areas]
+    for space in (area.spaces.active for area in areas if area.type == "VIEW_3D"):
+        if space.local_view is not None and seen.visible_get(viewport=space):
+            new.local_view_set(space, True)
+
+
+@with_arguments(_ADDED_WITH)
+class DAPPLE_OT_add(_Adds, bpy.types.Operator):
+    """Scatter points evenly on the active object, or on all selected objects as one surface"""
+
+    bl_idname = "dapple.add"
+    bl_label = "Add Scatter"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=False)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return add_steps(context, **self.given())
+
+
+@with_arguments(_ADDED_WITH)
+class DAPPLE_OT_add_over_collection(_Adds, bpy.types.Operator):
+    """Scatter points evenly on the objects of a collection as one surface. Objects that are added
+    to the collection later belong to it too"""
+
+    bl_idname = "dapple.add_over_collection"
+    bl_label = "Add Scatter over Collection"
+    bl_options = OPTIONS
+
+    collection: StringProperty(
+        name="Collection", description="Collection whose objects are one surface"
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if context.mode != "OBJECT":
+            cls.poll_message_set(told("Needs Object Mode"))
+        return context.mode == "OBJECT" and free(cls)
+
+    def about(self, context: bpy.types.Context) -> bpy.types.Object:
+        return context.object or next(iter(self._found().all_objects))
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return add_steps(context, self._found(), **self.given())
+
+    def _found(self) -> bpy.types.Collection:
+        for collection in bpy.data.collections:
+            if collection.name_full == self.collection and collection.all_objects:
+                return collection
+        raise ScatterError(f"There is no collection '{self.collection}' with objects")
+
+
+class DAPPLE_OT_surface_from_selected(AllOrNothing, bpy.types.Operator):
+    """Have the surface be the other selected objects, several as one. The points are put on it when
+    they are next optimized"""
+
+    bl_idname = "dapple.surface_from_selected"
+    bl_label = "Surface from Selected"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not ready(cls, context, scatter=True):
+            return False
+        if not selected_beside(context):
+            cls.poll_message_set(told("Needs other selected objects to be the surface"))
+            return False
+        return True
+
+    def work(self, context: bpy.types.Context) -> None:
+        put_on_selected(context)
+
+
+CLASSES = (DAPPLE_OT_add, DAPPLE_OT_add_over_collection, DAPPLE_OT_surface_from_selected)

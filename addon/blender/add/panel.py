@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the main panel shows of a surface: its scatters, and a button to add one."""
+
+from dataclasses import dataclass
+
+import bpy
+
+from ..base.labels import at_right
+from ..base.panel_values import Prepared
+from ..presets.operators import draw_presets
+from ..scatter.object import is_surface
+from .list_operators import (
+    DAPPLE_OT_copy_scatter,
+    DAPPLE_OT_remove_scatter,
+    DAPPLE_OT_select_scatter,
+    DAPPLE_OT_solo_scatter,
+)
+from .menu import DAPPLE_MT_over_collection
+from .operators import DAPPLE_OT_add
+from .scatters import is_solo, scatters_of
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A scatter in the list of its surface."""
+
+    name: str
+    count: int
+    solo: bool  # whether the viewport shows no other one of the surface
+
+
+def _scatters(surface: bpy.types.Object) -> tuple[Listed, ...]:
+    found = scatters_of(surface)
+    return tuple(Listed(one.name, one.dapple.report.count, is_solo(one, found)) for one in found)
+
+
+SCATTERS = Prepared(_scatters, ())  # of a surface
+
+
+def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> None:
+    """The scatters of the active object, and what adds another one."""
+    listed = SCATTERS.of(obj) if is_surface(obj) else ()
+    name = obj.name if obj is not None else ""
+    column = layout.column(align=True)
+    for one in listed:
+        _draw_listed(column.row(align=True), one, _short(one.name, name), len(listed) > 1)
+    row = layout.row()
+    row.scale_y = 1.0 if listed else 1.5
+    row.operator(DAPPLE_OT_add.bl_idname, icon="ADD")
+    if bpy.context.scene.collection.children:
+        row.menu(DAPPLE_MT_over_collection.__name__, text="", icon="OUTLINER_COLLECTION")
+    draw_presets(row)
+
+
+def _short(name: str, surface: str) -> str:
+    """A scatter's name as its surface lists it: most begin with the name of the surface, and what
+    tells them apart would be cut off."""
+    return name.removeprefix(f"{surface} ") or name
+
+
+def _draw_listed(row: bpy.types.UILayout, one: Listed, text: str, several: bool) -> None:
+    obj = bpy.context.view_layer.objects.get(one.name)
+    if obj is None:  # it was renamed or removed since it was listed
+        return
+    select = row.operator(
+        DAPPLE_OT_select_scatter.bl_idname,
+        text=text,
+        translate=False,
+        icon="OUTLINER_OB_POINTCLOUD",
+    )
+    select.name = one.name
+    at_right(row, f"{one.count:,}")
+    row.prop(obj, "hide_viewport", text="")
+    row.prop(obj, "hide_render", text="")
+    if several:
+        solo = DAPPLE_OT_solo_scatter.bl_idname
+        row.operator(solo, text="", icon="SOLO_ON", depress=one.solo).name = one.name
+    row.operator(DAPPLE_OT_copy_scatter.bl_idname, text="", icon="DUPLICATE").name = one.name
+    row.operator(DAPPLE_OT_remove_scatter.bl_idname, text="", icon="X").name = one.name

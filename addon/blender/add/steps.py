@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add: a new scatter over a surface, and how much of the Default preset fits there."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ...core.base.errors import ChangedError, ScatterError
+from ...core.base.steps import Steps, Task
+from ...core.settings.presets import Values, settings_with
+from ...core.solve.solve import Scattered, scatter
+from ...core.surface.arrays import SurfaceArrays
+from ...core.surface.rest import AtRest
+from ..base.object_handles import Held
+from ..freshness.unfinished_bakes import new_key
+from ..presets.fit import first_values, left_out_note, less_and_less
+from ..presets.stored import apply
+from ..scatter.store import new_scatter
+from ..solve.session_solutions import write_solved
+from ..surface.bound import rest_of
+from ..surface.joining import home_of, surface_over
+from ..surface.reading import as_read, read
+from ..surface.rest_position import kind_of_binding, rest_position, rest_position_kept
+
+
+@dataclass(frozen=True)
+class Added:
+    """What Add has made."""
+
+    obj: bpy.types.Object
+    note: str  # skipped settings of the Default preset, and why; empty if none
+
+
+@dataclass(frozen=True)
+class _Solved:
+    values: Values
+    arrays: SurfaceArrays
+    scattered: Scattered
+    rest: AtRest | None
+
+
+def add_steps(
+    context: bpy.types.Context, collection: bpy.types.Collection | None = None, **chosen: Any
+) -> Steps:
+    """Scatter over what is selected, or over a collection; returns what was Added.
+
+    What is not chosen (count, seed, bind_to) is as in the Default preset, as far as that fits.
+    """
+    with surface_over(context, collection) as surface, rest_position_kept(surface):
+        values, note = first_values(surface.get(), context)
+        solved, left_out = yield from _as_far_as_it_fits(surface, values, chosen)
+        with _new(surface.get()) as obj:
+            obj.dapple.bake_key = new_key()
+            apply(obj, solved.values)
+            write_solved(obj, solved.arrays, solved.scattered, solved.rest)
+    return Added(obj, left_out or note)
+
+
+def _as_far_as_it_fits(surface: Held, preset: Values, chosen: dict[str, Any]) -> Any:
+    """The first of what the preset makes with less and less of it, and what is said of that."""
+    first: ScatterError | None = None
+    for values, left_out in less_and_less(preset, chosen):
+        try:
+            solved = yield from _solved(surface, _with_chosen(values, chosen))
+        except ChangedError:
+            raise
+        except ScatterError as error:
+            first = first or error
+            if not values:
+                raise
+        else:
+            return solved, left_out and left_out_note(f"{left_out} ({first})")
+    raise AssertionError("without a preset the error is raised")
+
+
+def _with_chosen(values: Values, chosen: dict[str, Any]) -> Values:
+    own = {**values.get("", {}), **chosen}
+    if "count" in chosen:
+        own["amount"] = "COUNT"
+    return {**values, "": own}
+
+
+def _solved(surface: Held, values: Values) -> Any:
+    settings = settings_with(values)
+    kind = kind_of_binding(surface.get(), bpy.context, values[""].get("bind_to", "AUTO"))
+    arrays = read(surface.get(), settings)
+    found = yield Task(lambda worker: scatter(arrays, settings, worker))
+    with as_read(arrays, surface, settings), rest_position(surface, kind):
+        rest = rest_of(surface.get(), arrays, found.binding, kind)
+    return _Solved(values, arrays, found, rest)
+
+
+@contextmanager
+def _new(surface: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    """A new scatter object, which is gone again if what is done with it fails."""
+    groups = set(bpy.data.node_groups)
+    obj = new_scatter(surface, *home_of(surface, bpy.context))
+    try:
+        yield obj
+    except BaseException:
+        bpy.data.meshes.remove(obj.data)  # and the object with it
+        bpy.data.batch_remove(set(bpy.data.node_groups) - groups)
+        raise

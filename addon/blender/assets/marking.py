@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mark as Asset: a copy of a scatter that any surface can have.
+
+It has the settings, the object types and what they instance, but no points, no bake and nothing of
+the place that it was made for: else appending it would bring the surface along.
+"""
+
+from collections.abc import Iterator
+
+import bpy
+
+from ...core.settings.descriptors import Kind
+from ...core.settings.tables import GROUPS
+from ...core.surface.records import SCHEMA, SCHEMA_KEY
+from ...nodes import get_input, has_input, set_input
+from ..scatter.key_stores import STORES
+
+CATALOG = "0d1cf1b0-2a3e-4e0b-8d53-2f6f6b0c9a71"  # as in assets/blender_assets.cats.txt
+TAGS = ("scatter", "blue noise")
+_PARTS = "dapple_instances"  # custom property: a collection that comes along
+_BLOCKS = (Kind.OBJECT, Kind.COLLECTION, Kind.MATERIALS)
+_KEPT = {"rna_type", "name", "auto_update", "quality", "density", "tiles"}
+_KEPT |= {"classes", "class_index", "weights"}  # what is listed
+
+
+def marked(obj: bpy.types.Object) -> bpy.types.Object:
+    """A new asset made of a scatter, which stays as it is."""
+    asset = obj.copy()
+    asset.name = f"{obj.name} Asset"
+    asset.data = empty_mesh(asset.name)
+    _leave_place(asset, obj)
+    _leave_result(asset)
+    keep_together(asset)
+    asset.asset_mark()
+    said = asset.asset_data
+    said.description, said.catalog_id = _description(asset), CATALOG
+    for tag in TAGS:
+        said.tags.new(tag, skip_if_exists=True)
+    return asset
+
+
+def empty_mesh(name: str) -> bpy.types.Mesh:
+    """The mesh of a scatter without points."""
+    mesh = bpy.data.meshes.new(name)
+    mesh[SCHEMA_KEY] = SCHEMA
+    return mesh
+
+
+def instanced(obj: bpy.types.Object) -> set[bpy.types.Object]:
+    """The objects that a scatter instances."""
+    found = set()
+    for kind in _kinds(obj):
+        found |= {kind.instance} if kind.instance else set()
+        found |= set(kind.collection.all_objects) if kind.collection else set()
+    return found
+
+
+def _kinds(obj: bpy.types.Object) -> list[bpy.types.PropertyGroup]:
+    """What has something to instance: the scatter, and each object type."""
+    return [obj.dapple, *obj.dapple.classes]
+
+
+def _leave_place(asset: bpy.types.Object, obj: bpy.types.Object) -> None:
+    """Hold on to nothing that is where the scatter is."""
+    gone = {obj.dapple.surface, obj.parent}
+    asset.parent = None
+    asset.matrix_world.identity()
+    asset.animation_data_clear()
+    asset.constraints.clear()
+    asset.dapple.property_unset("surface")
+    asset.dapple.tiles.property_unset("object")
+    for setting in (one for one in GROUPS["density"] if one.kind in _BLOCKS):
+        asset.dapple.density.property_unset(setting.name)
+    for modifier in asset.modifiers:
+        for prop in modifier.bl_rna.properties:
+            if prop.type == "POINTER" and getattr(modifier, prop.identifier) in gone - {None}:
+                setattr(modifier, prop.identifier, None)
+        for name in _object_inputs(modifier):
+            if name in STORES or get_input(modifier, name) in gone:
+                set_input(modifier, name, None)
+
+
+def _object_inputs(modifier: bpy.types.Modifier) -> Iterator[str]:
+    group = modifier.node_group if modifier.type == "NODES" else None
+    for item in group.interface.items_tree if group else ():
+        is_object = item.item_type == "SOCKET" and item.socket_type == "NodeSocketObject"
+        if is_object and has_input(modifier, item.name):
+            yield item.name
+
+
+def _leave_result(asset: bpy.types.Object) -> None:
+    """Know of no points: what is no setting is of a result."""
+    settings = {setting.name for setting in GROUPS[""]}
+    for prop in asset.dapple.bl_rna.properties:
+        if prop.identifier not in settings | _KEPT:
+            asset.dapple.property_unset(prop.identifier)
+
+
+def keep_together(asset: bpy.types.Object) -> None:
+    """Put what is instanced into a hidden collection of the asset's own.
+
+    Blender puts appended objects into the scene, those of a collection with it, which it looks for
+    beside each object: so that it finds the hidden one, all objects are in that one itself.
+    """
+    parts = bpy.data.collections.new(f"{asset.name} Instances")
+    parts.hide_viewport = parts.hide_render = True
+    for kind in _kinds(asset):
+        if kind.collection is not None and kind.collection.name not in parts.children:
+            parts.children.link(kind.collection)
+    for obj in sorted(instanced(asset), key=lambda one: one.name_full):
+        parts.objects.link(obj)
+    asset[_PARTS] = parts
+
+
+def _description(asset: bpy.types.Object) -> str:
+    names = sorted(obj.name for obj in instanced(asset))
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    return f"Scatters {', '.join(names[:3]) or 'points'}{more} evenly on a surface that you choose"

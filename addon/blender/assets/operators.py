@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scatters as assets: making one, and placing one that was dropped into a scene."""
+
+from contextlib import suppress
+from typing import Any
+
+import bpy
+from bpy.props import StringProperty
+
+from ...core.base.errors import ScatterError
+from ...core.base.steps import Steps
+from ..base import jobs
+from ..base.jobs import Outcome
+from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator, tried
+from ..base.translation import reported, told
+from ..scatter.object import is_surface, is_unsolved
+from ..surface.polls import ready
+from . import dropped
+from .marking import marked
+from .placing import place_steps
+
+
+class DAPPLE_OT_mark_asset(AllOrNothing, bpy.types.Operator):
+    """Make an asset of this scatter: its settings, object types and objects, without surface,
+    points and bake. Save the file in an asset library, then drop it on any surface"""
+
+    bl_idname = "dapple.mark_asset"
+    bl_label = "Mark as Asset"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def work(self, context: bpy.types.Context) -> None:
+        made = marked(context.object)
+        if not bpy.app.background:
+            _draw_preview(context, made)
+        text = reported("Asset '{name}' added: save the file in an asset library", name=made.name)
+        self.report({"INFO"}, text)
+
+
+def _draw_preview(context: bpy.types.Context, asset: bpy.types.Object) -> None:
+    """Have Blender draw what the active scatter instances, as the asset itself shows nothing.
+
+    An asset without a picture is one, too.
+    """
+    draw = bpy.ops.ed.lib_id_generate_preview_from_object
+    with context.temp_override(id=asset), suppress(AttributeError, RuntimeError):
+        draw()
+
+
+class DAPPLE_OT_place(StepsOperator, bpy.types.Operator):
+    """Put this scatter, which has no points yet, on a surface"""
+
+    bl_idname = "dapple.place"
+    bl_label = "Place Scatter"
+    bl_options = OPTIONS
+
+    surface: StringProperty(
+        name="Surface", description="Name of the surface; if empty, the one that is presumed"
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not ready(cls, context, scatter=True):
+            return False
+        if not is_unsolved(context.object):
+            cls.poll_message_set(told("This scatter has points: choose its surface and optimize"))
+        return is_unsolved(context.object)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Leave it to the background, which makes the undo step once the points are there."""
+        if jobs.at_once:
+            return self.execute(context)
+        return tried(self, context, lambda: self._choose(context))
+
+    def _choose(self, context: bpy.types.Context) -> Status:
+        context.object.dapple.surface = self._surface(context)
+        return {"CANCELLED"}
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return place_steps(context, self._surface(context))
+
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        return Outcome(obj, [("WARNING", result)] if result else [])
+
+    def _surface(self, context: bpy.types.Context) -> bpy.types.Object:
+        if not self.surface:
+            return context.object.dapple.surface or dropped.presumed(context.object)
+        found = context.view_layer.objects.get(self.surface)
+        if not is_surface(found):
+            raise ScatterError(f"'{self.surface}' is not a surface of the view layer")
+        return found
+
+
+CLASSES = (DAPPLE_OT_mark_asset, DAPPLE_OT_place)

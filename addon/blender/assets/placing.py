@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Placing a scatter that comes from an asset: a surface, and settings that the surface can have."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+from mathutils import Matrix
+
+from ...core.base.errors import ScatterError
+from ...core.base.steps import Steps
+from ..base.all_or_nothing import once_done
+from ..base.object_handles import Held
+from ..base.translation import reported
+from ..presets.fit import met
+from ..presets.stored import apply, values_of
+from ..scatter.object import surface_of
+from ..solve.optimize import optimize_steps
+from ..surface.surface_mesh import evaluated_mesh
+from ..surface.values import read_weights
+from .marking import empty_mesh
+
+
+def place(obj: bpy.types.Object, surface: bpy.types.Object) -> str:
+    """Give a scatter without points a surface; what is said of settings that do not fit there.
+
+    It has a mesh of its own from then on: the next scatter of the same asset may take the old one.
+    """
+    reasons: list[str] = []
+    if obj.dapple.surface != surface:
+        obj.dapple.surface = surface
+    surface_of(obj)
+    obj.matrix_world = Matrix()
+    _own_mesh(obj)
+    if obj.asset_data is not None:
+        once_done(obj.asset_clear)
+    _fit_density(obj, reasons)
+    _fit_classes(obj, reasons)
+    if not reasons:
+        return ""
+    return reported("Not possible on this surface, skipped: {reasons}", reasons="; ".join(reasons))
+
+
+def place_steps(context: bpy.types.Context, surface: bpy.types.Object) -> Steps:
+    """Place the active scatter and solve it; returns what is said of settings that do not fit."""
+    held, before = Held(context.object), _Before.of(context.object)
+    try:
+        note = place(context.object, surface)
+        yield from optimize_steps(context)
+    except BaseException:
+        before.put_back(held)
+        raise
+    return note
+
+
+def _own_mesh(obj: bpy.types.Object) -> None:
+    before, name = obj.data, obj.data.name
+    obj.data = empty_mesh(name)
+    once_done(lambda: _remove(before, obj.data))
+
+
+def _remove(before: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
+    """Remove the previous mesh from the file if nothing else has it; the other has its name."""
+    if not before.users:
+        name = before.name
+        bpy.data.meshes.remove(before)
+        mesh.name = name
+
+
+def _fit_density(obj: bpy.types.Object, reasons: list[str]) -> None:
+    density = values_of(obj)["density"]
+    fitting = met({"density": density}, obj.dapple.surface, bpy.context, reasons)
+    for name in density.keys() - fitting.get("density", {}).keys():
+        obj.dapple.density.property_unset(name)
+
+
+def _fit_classes(obj: bpy.types.Object, reasons: list[str]) -> None:
+    surface = obj.dapple.surface
+    for kind in [kind for kind in obj.dapple.classes if kind.density]:
+        try:
+            with evaluated_mesh(surface, bpy.context.evaluated_depsgraph_get()) as mesh:
+                read_weights(surface, mesh, kind.density)
+        except ScatterError as error:
+            kind.property_unset("density")
+            reasons.append(str(error))
+
+
+@dataclass(frozen=True)
+class _Before:
+    """What a scatter was before it was placed."""
+
+    surface: bpy.types.Object | None
+    matrix: Matrix
+    values: Any
+    densities: tuple[str, ...]
+
+    @classmethod
+    def of(cls, obj: bpy.types.Object) -> "_Before":
+        densities = tuple(kind.density for kind in obj.dapple.classes)
+        return cls(obj.dapple.surface, obj.matrix_world.copy(), values_of(obj), densities)
+
+    def put_back(self, held: Held) -> None:
+        try:
+            obj = held.get()
+        except ScatterError:  # it was removed
+            return
+        obj.dapple.surface, obj.matrix_world = self.surface, self.matrix
+        apply(obj, self.values)
+        for kind, density in zip(obj.dapple.classes, self.densities, strict=False):
+            kind.density = density

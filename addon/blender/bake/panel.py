@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sub-panel for moving surfaces: the bake, the frames that it has left, and the preview."""
+
+from typing import ClassVar
+
+import bpy
+
+from ...core.settings.solver_options import MOTION
+from ..base.labels import lines_of
+from ..base.translation import counted, told
+from ..display import preview
+from ..display.preview_operators import DAPPLE_OT_preview
+from ..freshness import freshness
+from ..freshness.contents import frozen_note
+from ..freshness.unfinished_bakes import unsaved_note
+from ..scatter.object import follows_masks
+from ..scatter.panel import ScatterPanel, draw_in_header
+from ..solve.results_panel import baked_line
+from .operators import DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake
+
+
+class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
+    bl_label = "Animation"
+    bl_options: ClassVar = {"DEFAULT_CLOSED"}
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        draw_in_header(self.layout, DAPPLE_OT_bake.bl_idname, "REC")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.object.dapple
+        layout.use_property_split, layout.use_property_decorate = True, False
+        layout.prop(context.scene, "frame_start", text="Frame Start")
+        layout.prop(context.scene, "frame_end", text="End")
+        layout.prop(settings, "count_over_time")
+        if settings.count_over_time == "KEEP_DENSITY":
+            layout.prop(settings, "fade_frames")
+        else:
+            layout.prop(settings, "bake_smoothing")
+        for option in MOTION:
+            layout.prop(settings, option.name)
+        row = layout.row()
+        row.active = settings.masks_over_time == "FIRST_FRAME" or follows_masks(context.object)
+        row.prop(settings, "masks_over_time")
+        layout.prop(settings, "key_every")
+        layout.prop(settings, "on_topology_change")
+        row = layout.row(align=True)
+        row.operator(DAPPLE_OT_bake.bl_idname, icon="REC")
+        row.operator(DAPPLE_OT_clear_bake.bl_idname, icon="X", text="")
+        if settings.baked_keys:
+            lines_of(layout, baked_line(context.object), "CHECKMARK")
+            if frozen_note(context.object):
+                lines_of(layout, frozen_note(context.object), "INFO")
+        else:
+            lines_of(layout, told("Not baked: points stick to the surface"), "INFO")
+        row = layout.row(align=True)
+        row.operator(DAPPLE_OT_preview.bl_idname, depress=preview.is_on(context.object))
+        row.use_property_split = False
+        row.prop(settings, "preview_budget", text="Time (ms)")
+        if preview.note(context.object):
+            lines_of(layout, preview.note(context.object), "INFO")
+        _draw_work_files(layout, freshness.findings(context.object, context))
+        if unsaved_note() and not settings.baked_keys:
+            lines_of(layout, unsaved_note(), "INFO")
+
+
+def _draw_work_files(layout: bpy.types.UILayout, known: freshness.Findings | None) -> None:
+    if known is None:
+        return
+    if known.unfinished:
+        text = counted(
+            known.unfinished,
+            "Unfinished bake: {count} frame is solved, Bake continues",
+            "Unfinished bake: {count} frames are solved, Bake continues",
+        )
+        lines_of(layout, text, "INFO")
+    if known.left_over:
+        text = counted(
+            known.left_over,
+            "{count} frame solved from other settings or points is kept",
+            "{count} frames solved from other settings or points are kept",
+        )
+        lines_of(layout, text, "INFO")
+    if known.unfinished or known.left_over:
+        layout.operator(DAPPLE_OT_discard_bake.bl_idname, icon="TRASH")

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake, as steps: read a frame, let the worker solve it, go on; write all when all are done."""
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import bpy
+
+from ...core.bake.baker import Baker
+from ...core.base.errors import ScatterError, StoppedError
+from ...core.base.steps import Steps, Task
+from ...core.surface.arrays import SurfaceArrays
+from ..base.object_handles import Held
+from ..base.times import times_of
+from ..base.translation import reported
+from ..freshness.concurrent_edits import Meanwhile
+from ..scatter.object import settings_of, surface_of
+from ..surface.reading import at_frame, frame_kept
+from ..surface.rest_position import rest_position
+from .bakers import new_baker
+from .bare_frames import begin_of, read_frame
+from .crossing import crossed
+from .frame_masks import Masks
+from .reordered import Steady
+from .start import begin_bake
+from .writing import write_bake
+
+
+def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
+    """Keys of the frames from first to last, each re-optimized; returns the Baker."""
+    held, surface = Held(context.object), Held(surface_of(context.object))
+    first, last = times_of(context.scene, first, last)
+    if last < first:
+        raise ScatterError(f"The frame range is empty: {first} to {last}")
+    meanwhile = Meanwhile(held)
+    with frame_kept(context.scene, show=first):
+        begin, kind = yield from begin_of(held, surface, first, last)
+    with rest_position(surface, kind):
+        with frame_kept(context.scene):
+            frames = _Frames(first, begin, last)
+            begun, baker = yield from _carry(held, surface, frames, kind, meanwhile)
+        meanwhile.check()
+        write_bake(held.get(), begun, baker, kind)
+    return baker
+
+
+@dataclass(frozen=True)
+class _Frames:
+    """The frames of a bake."""
+
+    first: int
+    begin: int  # the first one with faces
+    last: int
+
+    @property
+    def noted(self) -> tuple[int, int]:
+        """Where it is looked what is not as on the first frame."""
+        return self.first + (self.last - self.first + 1) // 2, self.last
+
+
+def _carry(held: Held, surface: Held, frames: _Frames, kind: str, meanwhile: Meanwhile) -> Any:
+    first, begin = frames.first, frames.begin
+    settings = settings_of(held.get())
+
+    def read_first() -> SurfaceArrays:
+        return at_frame(surface, begin, settings=settings, own=held, kind=kind)
+
+    steady = Steady(surface)
+    arrays = steady.first(held.get(), read_first)
+    begun = yield from begin_bake(held, arrays, settings)
+    count = frames.last - first + 1
+    baker = new_baker(held.get(), surface.get(), arrays, first, count, begun.solved)
+    masks = Masks(settings, arrays) if baker.follows else None
+    baker.anew, there = begun.anew, begin
+    for frame in range(first, frames.last + 1):
+        meanwhile.check()
+        if frame != begin or begin != first:
+            read = partial(read_frame, held, surface, frame, kind, masks)
+            arrays = steady.next(baker.bound, read)
+        there = frame if len(arrays.faces) else there
+        if frame in frames.noted:
+            begun.note_moving(held, surface, settings, there)
+        yield from _solve(baker, held, surface, arrays, begun.progress, masks)
+    yield from _finish(baker, begun.progress)
+    steady.check(begun.arrays, read_first)
+    return begun, baker
+
+
+def _solve(
+    baker: Baker,
+    held: Held,
+    surface: Held,
+    arrays: SurfaceArrays,
+    begin: float,
+    masks: Masks | None,
+) -> Any:
+    """The next frame: what a stopped bake left, or solved now."""
+    if not len(arrays.faces):
+        baker.vanish(arrays)
+        return
+    if baker.is_bare or baker.changes(arrays):
+        yield from _finish(baker, begin)
+        arrays = crossed(baker, held, surface, arrays, masks.known if masks else None)
+    baker.enter(arrays)
+    shares = [begin + (1.0 - begin) * share for share in baker.share]
+    try:
+        if (yield Task(lambda _: baker.take(), *shares)):
+            return
+        yield Task(baker.advance, *shares)
+    except StoppedError as error:
+        raise StoppedError(_stopped(baker)) from error
+
+
+def _finish(baker: Baker, begin: float) -> Any:
+    """What is held back of the frames so far."""
+    shares = (baker.share[0], baker.done / baker.keyframes.count)
+    try:
+        yield Task(baker.finish, *(begin + (1.0 - begin) * share for share in shares))
+    except StoppedError as error:
+        raise StoppedError(_stopped(baker)) from error
+
+
+def _stopped(baker: Baker) -> str:
+    if baker.sidecar is None or not baker.reports:
+        return reported("Canceled: nothing was written")
+    return reported(
+        "Canceled: the scatter is unchanged; {count} solved frames are kept in '{folder}', "
+        "Bake continues from there",
+        count=len(baker.reports),
+        folder=baker.sidecar.folder,
+    )

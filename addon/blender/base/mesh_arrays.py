@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points of a mesh and their attributes <-> numpy arrays, in bulk."""
+
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.base.errors import ScatterError
+from ...core.surface.arrays import Floats
+from ...core.surface.records import Columns
+
+_NUMPY = {"INT": np.int32, "FLOAT": np.float32, "FLOAT_VECTOR": np.float32, "BOOLEAN": np.bool_}
+_WIDTH = {"INT": 1, "FLOAT": 1, "FLOAT_VECTOR": 3, "BOOLEAN": 1}
+_FIELD = {"INT": "value", "FLOAT": "value", "FLOAT_VECTOR": "vector", "BOOLEAN": "value"}
+
+
+def matrix_of(obj: bpy.types.Object) -> Floats:
+    """From the object's own space (4, 4) to world space."""
+    return np.array(obj.matrix_world, dtype=np.float64)
+
+
+def write_points(mesh: bpy.types.Mesh, positions: Floats) -> None:
+    """Make the mesh these points and nothing else."""
+    mesh.clear_geometry()
+    mesh.vertices.add(len(positions))
+    mesh.vertices.foreach_set("co", np.asarray(positions, dtype=np.float32).ravel())
+    mesh.update()
+
+
+def read_points(mesh: bpy.types.Mesh) -> Floats:
+    """Positions (n, 3) of the points of a mesh, in its own space."""
+    positions = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    if len(positions) > 0:
+        mesh.attributes["position"].data.foreach_get("vector", positions)
+    return positions.reshape(-1, 3).astype(np.float64)
+
+
+def write_columns(mesh: bpy.types.Mesh, columns: Columns, types: dict[str, str]) -> None:
+    """Store columns as attributes on the points of a mesh."""
+    for name, kind in types.items():
+        attribute = own_attribute(mesh, name, kind)
+        values: NDArray[Any] = np.ascontiguousarray(columns[name], dtype=_NUMPY[kind])
+        attribute.data.foreach_set(_FIELD[kind], values.ravel())
+
+
+def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:
+    """The attribute of that name on the points of a mesh; one of another kind makes room."""
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and (attribute.data_type != kind or attribute.domain != "POINT"):
+        mesh.attributes.remove(attribute)
+        attribute = None
+    return attribute or mesh.attributes.new(name, kind, "POINT")
+
+
+def read_columns(mesh: bpy.types.Mesh, types: dict[str, str]) -> Columns:
+    """Attributes on the points of a mesh as columns."""
+    return {name: _column(mesh, name, kind) for name, kind in types.items()}
+
+
+def _column(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
+    attribute = mesh.attributes.get(name)
+    if attribute is None:
+        raise ScatterError(f"Mesh '{mesh.name}' has no {kind} attribute '{name}' on its points")
+    if attribute.data_type != kind or attribute.domain != "POINT":
+        raise ScatterError(
+            f"Attribute '{name}' of '{mesh.name}' is {attribute.data_type} on {attribute.domain}, "
+            f"it must be {kind} on POINT: remove it and optimize"
+        )
+    values: NDArray[Any] = np.empty(len(mesh.vertices) * _WIDTH[kind], dtype=_NUMPY[kind])
+    attribute.data.foreach_get(_FIELD[kind], values)
+    return values.reshape(-1, 3) if _WIDTH[kind] == 3 else values
+
+
+def to_local(obj: bpy.types.Object, positions: Floats) -> Floats:
+    """World space -> the object's own space; ScatterError if that is flat."""
+    matrix = matrix_of(obj)
+    if not np.isfinite(matrix).all():
+        raise ScatterError(f"'{obj.name}' stands nowhere: its location or scale is not finite")
+    try:
+        inverse = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        inverse = np.full((4, 4), np.nan)
+    found = positions @ inverse[:3, :3].T + inverse[:3, 3]
+    if not (np.abs(found) <= np.finfo(np.float32).max).all():
+        raise ScatterError(f"'{obj.name}' has a scale of 0: give it another one")
+    return found
+
+
+def to_world(obj: bpy.types.Object, positions: Floats) -> Floats:
+    """The object's own space -> world space."""
+    matrix = matrix_of(obj)
+    return positions @ matrix[:3, :3].T + matrix[:3, 3]

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What panels show is found outside of drawing.
+
+Drawing looks up what was found last and leaves a note that it was asked for. As soon as Blender is
+idle, an app timer looks again and has the panels drawn once more if it finds something else. In
+background mode there is no timer, and what is asked for is found at once.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ...core.base.errors import ScatterError
+from . import step_operators
+from .handlers import Handlers
+from .object_handles import Held
+from .renders import busy
+from .sidebars import redraw
+from .timers import call_off, call_within
+
+_PAUSE = 0.2  # seconds until the next look, while Blender renders or solves
+_MOST = 64  # found values that are kept beyond those that were just asked for
+
+at_once = bpy.app.background
+Find = Callable[[Any], Any]  # of an object, or of None where it is of no object
+
+
+@dataclass
+class _Note:
+    """What was asked for, and what was found last."""
+
+    find: Find
+    held: Held | None
+    found: Any
+    asked: bool = True
+
+
+_notes: dict[tuple[int, int], _Note] = {}  # by what is asked and the session_uid of what
+
+
+# Not generic over what is found: typing keeps such classes until Python ends, and with them bpy's,
+# so that Python never closes bpy.
+class Prepared:
+    """Something that panels show, of an object or of none."""
+
+    def __init__(self, find: Find, before: Any) -> None:
+        self._find, self._before = find, before
+
+    def of(self, obj: bpy.types.Object | None = None) -> Any:
+        """What was found last; before the first time, what stands for it."""
+        if at_once:
+            return self._find(obj)
+        key = id(self), obj.session_uid if obj is not None else 0
+        note = _notes.get(key)
+        if note is None:
+            held = Held(obj) if obj is not None else None
+            note = _notes[key] = _Note(self._find, held, self._before)
+        note.asked = True
+        call_within(0.0, tick)
+        return note.found
+
+
+def tick() -> float | None:
+    """Look for what was asked for; seconds until the next time, None to end."""
+    if busy() or step_operators.is_under_way():
+        return _PAUSE
+    _tidy()
+    others = False
+    for key, note in list(_notes.items()):
+        if not note.asked:
+            continue
+        note.asked = False
+        try:
+            found = note.find(note.held.get() if note.held is not None else None)
+        except ScatterError:  # the object was removed
+            del _notes[key]
+            continue
+        others = others or found != note.found
+        note.found = found
+    if others:
+        redraw()
+    return None
+
+
+def _tidy() -> None:
+    if len(_notes) > _MOST:
+        for key in [key for key, note in _notes.items() if not note.asked]:
+            del _notes[key]
+
+
+def _forget(*_arguments: Any) -> None:
+    for key in [key for key, note in _notes.items() if note.held is not None]:
+        del _notes[key]
+
+
+_HANDLERS = Handlers(load_pre=_forget)
+
+
+def register() -> None:
+    """Forget what was found of objects when another file is opened."""
+    _HANDLERS.watch()
+
+
+def unregister() -> None:
+    """Know nothing and look for nothing."""
+    _notes.clear()
+    call_off(tick)
+    _HANDLERS.unwatch()

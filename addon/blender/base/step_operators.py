@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that work in steps: at once for scripts and in background mode, else beside what the
+artist does.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+
+from ...core.base.steps import Stepper, Steps, run_now
+from . import jobs
+from .all_or_nothing import AllOrNothing, Status, tried
+from .jobs import Outcome, Work
+from .object_handles import Held
+
+__all__ = ["OPTIONS", "AllOrNothing", "Status", "StepsOperator", "is_under_way", "tried"]
+
+OPTIONS = {"REGISTER", "UNDO"}  # of operators that change the file
+
+
+def is_under_way() -> bool:
+    """Whether some work goes on from a timer."""
+    return jobs.current() is not None
+
+
+class StepsOperator:
+    """Mixin for operators: write steps(context), perhaps done(context, result)."""
+
+    bl_label: str
+    report: Callable[[set[str], str], None]
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        """The work."""
+        raise NotImplementedError
+
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        """Called once when the work on an object is done, when the operator may be no more."""
+        return Outcome(obj)
+
+    def about(self, context: bpy.types.Context) -> bpy.types.Object:
+        """The object in whose panel it is said how it ends."""
+        return context.object
+
+    def written(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        """Objects whose content is written."""
+        return [self.about(context)]
+
+    def watched(self, context: bpy.types.Context) -> dict[int, str]:
+        """What has to stay as it is meanwhile: names by session_uid."""
+        return {}
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        """Do all the work now."""
+        return tried(self, context, lambda: self._work(context), lambda: self.written(context))
+
+    def _work(self, context: bpy.types.Context) -> None:
+        about = Held(self.about(context))
+        result = run_now(self.steps(context))
+        outcome = self.done(context, result, about.get())
+        for kind, text in outcome.said:
+            self.report({kind}, text)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Begin the work, whose undo step is made once it is done."""
+        if jobs.at_once:
+            return self.execute(context)
+        return tried(self, context, lambda: self._begin(context), lambda: self.written(context))
+
+    def _begin(self, context: bpy.types.Context) -> Status:
+        stepper, about = Stepper(self.steps(context)), Held(self.about(context))
+        work = Work(self.bl_label, about, stepper, self.done, self.watched(context))
+        jobs.begin(context, work)
+        return {"CANCELLED"}

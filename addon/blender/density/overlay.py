@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The density as colors over the surface, in the viewport only.
+
+Handlers and property updates only note that something changed. Once nothing has changed for a
+moment, an app timer reads the surface part by part and a worker computes the colors; until they
+are there, drawing shows what was computed last. Nothing is computed while Blender renders.
+"""
+
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+
+from ...core.base.errors import ScatterError, StoppedError
+from ...core.base.steps import Stepper, Steps, Task
+from ...core.density.colors import Colored, Singles, computed
+from ..base.handlers import Handlers
+from ..base.object_handles import Held
+from ..base.renders import busy, when_one_begins
+from ..base.timers import call_off, call_within
+from ..base.translation import told
+from ..scatter.object import surface_of
+from ..surface.parts import read_parts
+from . import legend as density_legend
+from .shown_term import Asked, asked_of, legend_of, watched_by
+
+_PAUSE = 0.2  # seconds without a change before the colors are computed
+_POLL = 0.01  # seconds between two looks at the worker
+_LONG = 3600.0  # seconds that a Blender without windows waits for it
+_PART = 300_000  # corners that are handed to the graphics card at a time
+_NOTHING = Colored(np.empty((0, 3), np.float32), np.empty((0, 4), np.float32), 0.0)
+Part = tuple[Singles, Singles]  # positions and colors of corners
+
+
+@dataclass
+class _Shown:
+    """The scatter whose density is shown, and its triangles."""
+
+    scatter: Held | None = None
+    asked: Asked | None = None
+    watched: frozenset[int] = frozenset()  # session_uids of what else the colors depend on
+    colored: Colored = _NOTHING
+    legend: tuple[str, str, str] | None = None  # title, what its ends stand for
+    batches: list[Any] = field(default_factory=list)  # that are drawn
+    waiting: list[Part] = field(default_factory=list)  # for the graphics card
+    coming: list[Any] = field(default_factory=list)  # batches of the newest, until all are there
+    job: Stepper | None = None  # what goes on
+    changed: float = 0.0  # when, by the monotonic clock; 0: not since it was computed
+    said: str = ""  # why it ended
+    handles: tuple[Any, ...] = ()
+
+
+_shown = _Shown()
+
+
+def is_on(obj: bpy.types.Object) -> bool:
+    """Whether the density of a scatter is shown."""
+    return _shown.scatter is not None and _shown.scatter.uid == obj.session_uid
+
+
+def note() -> str:
+    """Why the density is shown no more, or not yet; empty when nothing is to be said."""
+    if _shown.scatter is not None and _shown.legend is None:
+        return told("The density is being computed")
+    return _shown.said
+
+
+def start(obj: bpy.types.Object) -> None:
+    """Show the density of a scatter; ScatterError if it has none that can be computed.
+
+    Blender with windows finds that out while the artist goes on, and the panel says it.
+    """
+    stop()
+    _shown.scatter, _shown.said = Held(obj), ""
+    try:
+        _begin()
+    except ScatterError:
+        stop()
+        raise
+    if not bpy.app.background:
+        space = bpy.types.SpaceView3D
+        _shown.handles = (
+            space.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"),
+            space.draw_handler_add(_draw_legend, (), "WINDOW", "POST_PIXEL"),
+        )
+    call_within(_POLL, _tick)
+    _redraw()
+
+
+def stop() -> None:
+    """Show no density."""
+    _give_up()
+    for handle in _shown.handles:
+        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+    if _shown.handles:
+        _redraw()
+    _shown.handles, _shown.scatter, _shown.asked = (), None, None
+    _shown.colored, _shown.legend = _NOTHING, None
+    _shown.batches, _shown.coming, _shown.waiting, _shown.changed = [], [], [], 0.0
+
+
+def touch(obj: bpy.types.Object) -> None:
+    """Something changed that a scatter's density may depend on."""
+    if is_on(obj):
+        _shown.changed = time.monotonic()
+
+
+def triangles() -> tuple[Singles, Singles]:
+    """What is drawn: corners (3 m, 3) in world space and their colors (3 m, 4)."""
+    return _shown.colored.positions, _shown.colored.colors
+
+
+def legend() -> tuple[str, str, str] | None:
+    """What the legend says: what is shown, and what both ends of its colors stand for."""
+    return _shown.legend
+
+
+def _begin() -> None:
+    """Compute the colors anew."""
+    _give_up()
+    assert _shown.scatter is not None
+    obj = _shown.scatter.get()
+    _shown.asked, _shown.changed = asked_of(obj), 0.0
+    _shown.watched = watched_by(obj, _shown.asked)
+    _shown.job = Stepper(_steps(_shown.scatter, Held(surface_of(obj)), _shown.asked))
+    while bpy.app.background and not _shown.job.poll(wait=_LONG):
+        pass  # a Blender without windows has no timers
+    _poll()
+
+
+def _steps(scatter: Held, surface: Held, asked: Asked) -> Steps:
+    read = yield from read_parts(asked.settings, surface, scatter)
+    settings, density, alone = asked.settings, asked.density, asked.alone
+    return (yield Task(lambda worker: computed(read.arrays(), settings, density, alone, worker)))
+
+
+def _poll() -> None:
+    """One step of what goes on; shows what was computed."""
+    if _shown.job is None or not _shown.job.poll():
+        return
+    if _shown.job.result is not None:
+        _shown.colored = found = _shown.job.result
+        _shown.waiting, _shown.coming = _parts(found.positions, found.colors), []
+        _shown.legend = legend_of(_shown.scatter.get(), found) if _shown.scatter else None
+    _shown.job = None
+    _redraw()
+
+
+def _give_up() -> None:
+    if _shown.job is not None:
+        _shown.job.abandon()
+    _shown.job = None
+
+
+def _tick() -> float | None:
+    if _shown.scatter is None:
+        return None
+    if busy():
+        return _PAUSE
+    try:
+        _look(_shown.scatter.get())
+        _poll()
+    except ScatterError as error:
+        stop()
+        _shown.said = told("Density is not shown: {error}", error=error)
+        return None
+    except StoppedError:  # a render took its place
+        _shown.job, _shown.changed = None, time.monotonic()
+    uploads = bool(_shown.waiting) and bool(_shown.handles)
+    if uploads:
+        _redraw()
+    return _POLL if uploads or _shown.job is not None else _PAUSE
+
+
+def _look(obj: bpy.types.Object) -> None:
+    """Begin anew once something has changed and nothing more does."""
+    if asked_of(obj) != _shown.asked and not _shown.changed:
+        _shown.changed = time.monotonic()
+    if _shown.changed and time.monotonic() - _shown.changed > _PAUSE:
+        _begin()
+
+
+def _draw() -> None:
+    """Draw what is there; hand a part of what is new to the graphics card."""
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    _upload(shader)
+    gpu.state.blend_set("ALPHA")
+    gpu.state.depth_test_set("LESS_EQUAL")
+    for batch in _shown.batches:
+        batch.draw(shader)
+    gpu.state.depth_test_set("NONE")
+    gpu.state.blend_set("NONE")
+
+
+def _draw_legend() -> None:
+    if _shown.legend is not None and bpy.context.space_data.overlay.show_overlays:
+        density_legend.draw(*_shown.legend, bpy.context.preferences.system.ui_scale)
+
+
+def _parts(positions: Singles, colors: Singles) -> list[Part]:
+    """So many corners as are handed over at a time."""
+    firsts = range(0, len(positions), _PART)
+    return [(positions[k : k + _PART], colors[k : k + _PART]) for k in firsts]
+
+
+def _upload(shader: Any) -> None:
+    """One more part, as the graphics card takes them only while it draws.
+
+    The newest colors are drawn in place of the old ones when all of them are there.
+    """
+    if not _shown.waiting:
+        return
+    positions, colors = _shown.waiting.pop(0)
+    content = {"pos": positions, "color": colors}
+    _shown.coming.append(batch_for_shader(shader, "TRIS", content))
+    if not _shown.waiting:
+        _shown.batches, _shown.coming = _shown.coming, []
+
+
+def _redraw() -> None:
+    for manager in bpy.data.window_managers:
+        for window in manager.windows:
+            for area in window.screen.areas:
+                if area.type == "VIEW_3D":
+                    area.tag_redraw()
+
+
+def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    if _shown.scatter is None:
+        return
+    seen = {one.id.original.session_uid for one in depsgraph.updates}
+    if not seen or seen & _shown.watched:  # pixels that were changed by a script name nothing
+        _shown.changed = time.monotonic()
+
+
+def _undone(*_arguments: Any) -> None:
+    if _shown.scatter is not None:
+        _shown.changed = time.monotonic()
+
+
+def _render_begins() -> None:
+    if _shown.job is not None:
+        _shown.job.cancel()
+
+
+def _leaving(*_arguments: Any) -> None:
+    stop()
+    _shown.said = ""
+
+
+_HANDLERS = Handlers(
+    depsgraph_update_post=_updated,
+    frame_change_post=_updated,
+    undo_post=_undone,
+    redo_post=_undone,
+    load_pre=_leaving,
+)
+
+
+def register() -> None:
+    """Watch what colors depend on, and files being opened."""
+    when_one_begins(_render_begins)
+    _HANDLERS.watch()
+
+
+def unregister() -> None:
+    """Show nothing and watch nothing."""
+    _HANDLERS.unwatch()
+    call_off(_tick)
+    stop()

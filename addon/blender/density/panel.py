@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sub-panel for where there are to be more points, and for what they avoid."""
+
+from itertools import groupby
+from typing import ClassVar
+
+import bpy
+
+from ...core.settings.density_table import DENSITY
+from ...core.settings.descriptors import Kind, Setting
+from ...core.settings.mask_table import MASKS
+from ..base.labels import lines_of
+from ..base.panel_values import Prepared
+from ..base.translation import told
+from ..scatter.object import material_name
+from ..scatter.panel import ScatterPanel, draw_in_header
+from ..surface import borders
+from ..surface.beside import by_full_name
+from ..surface.joined import parts_of
+from ..surface.materials import surface_materials
+from . import overlay
+from .paint_operators import (
+    DAPPLE_OT_add_material,
+    DAPPLE_OT_paint_blocked,
+    DAPPLE_OT_paint_density,
+    DAPPLE_OT_remove_material,
+    DAPPLE_OT_show_density,
+)
+
+SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_camera")
+_ENDS = ("_invert", "_strength")  # which are in a row of their own
+_AVOIDED = [one for one in DENSITY if "obstacles" in (one.name, one.under)]
+_PLAIN = [
+    one for one in DENSITY if not {one.name, one.under} & set(SWITCHES) and one not in _AVOIDED
+]
+
+
+class DAPPLE_PT_density(ScatterPanel, bpy.types.Panel):
+    bl_label = "Density"
+    bl_options: ClassVar = {"DEFAULT_CLOSED"}
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        draw_in_header(self.layout, DAPPLE_OT_paint_density.bl_idname, "WPAINT_HLT")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.object.dapple
+        layout.use_property_split, layout.use_property_decorate = True, False
+        column = layout.column(align=True)
+        column.operator(DAPPLE_OT_paint_density.bl_idname, icon="WPAINT_HLT")
+        column.operator(DAPPLE_OT_paint_blocked.bl_idname, icon="WPAINT_HLT")
+        for switch, rows in groupby(_PLAIN, key=lambda setting: setting.under):
+            if not switch or getattr(settings.density, switch):
+                for setting in rows:
+                    _draw(layout, settings, setting)
+        _draw_masks(layout, context.object)
+        for setting in _AVOIDED:
+            if not setting.under or settings.density.obstacles:
+                _draw(layout, settings, setting)
+        _draw_shown(layout, context.object)
+
+
+def _draw(layout: bpy.types.UILayout, scatter: bpy.types.AnyType, setting: Setting) -> None:
+    if setting.kind is not Kind.UV_MAP:
+        layout.prop(scatter.density, setting.name)
+    elif scatter.surface:
+        meshes = (part.data for part in parts_of(scatter.surface) if part.type == "MESH")
+        mesh = next((one for one in meshes if one.uv_layers), scatter.surface.data)
+        layout.prop_search(scatter.density, setting.name, mesh, "uv_layers")
+
+
+def _draw_masks(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """A line for each mask, and below it the settings of those that are on."""
+    density, column = obj.dapple.density, layout.column(align=True)
+    column.label(text="Masks")
+    for switch in SWITCHES:
+        row = column.row()
+        row.use_property_split = False
+        row.prop(density, switch)
+        if getattr(density, switch):
+            box = column.box().column(align=True)
+            for setting in DENSITY:
+                if setting.kind is Kind.MATERIALS and setting.under == switch:
+                    _draw_materials(box, obj)
+                elif setting.under == switch and not setting.name.endswith(_ENDS):
+                    box.prop(density, setting.name)
+            _draw_ends(box, density, switch.removeprefix("use_"))
+            _draw_note(box, obj, switch)
+
+
+def _draw_materials(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """A line for each chosen material, and the menu that adds one."""
+    for index, one in enumerate(obj.dapple.density.materials):
+        row = box.row(align=True)
+        icon = {"icon": "ERROR"} if one.material is None else {"icon_value": row.icon(one.material)}
+        row.label(text=material_name(one), translate=False, **icon)
+        remove = DAPPLE_OT_remove_material.bl_idname
+        row.operator(remove, text="", icon="X", emboss=False).index = index
+    MATERIALS.of(obj)  # a menu is drawn once only, when it is opened: by then they are known
+    box.menu(DAPPLE_MT_materials.__name__, icon="ADD")
+
+
+class DAPPLE_MT_materials(bpy.types.Menu):
+    """Materials of the surface that are not chosen yet"""
+
+    bl_label = "Add Material"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, obj = self.layout, context.object
+        chosen = {material_name(one) for one in obj.dapple.density.materials}
+        names = [name for name in MATERIALS.of(obj) or () if name not in chosen]
+        for name in names:
+            found = by_full_name(bpy.data.materials, name)
+            icon = layout.icon(found) if found is not None else 0
+            add = DAPPLE_OT_add_material.bl_idname
+            layout.operator(add, text=name, translate=False, icon_value=icon).material = name
+        if not names:
+            layout.label(
+                text="The surface has no other materials"
+                if chosen
+                else "The surface has no materials"
+            )
+
+
+def _draw_ends(box: bpy.types.UILayout, density: bpy.types.AnyType, mask: str) -> None:
+    if mask in MASKS:
+        row = box.row(align=True)
+        row.prop(density, f"{mask}_strength")
+        row.prop(density, f"{mask}_invert", text="", icon="ARROW_LEFTRIGHT")
+
+
+def _draw_note(box: bpy.types.UILayout, obj: bpy.types.Object, switch: str) -> None:
+    """Why a mask that is on has no effect."""
+    density = obj.dapple.density
+    if switch == "use_distance" and not (density.distance_object or density.distance_collection):
+        lines_of(box, told("No effect yet: choose an object or a collection"), "INFO")
+    if switch == "use_material":
+        _draw_material_note(box, obj)
+    if switch == "use_border" and borders.IS_CLOSED.of(obj):
+        lines_of(box, told("No effect: the surface is closed and has no border"), "INFO")
+
+
+def _draw_material_note(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """Which of the chosen materials the surface does not have."""
+    chosen = [material_name(one) for one in obj.dapple.density.materials]
+    there = MATERIALS.of(obj)
+    if not chosen:
+        lines_of(box, told("No effect yet: choose a material"), "INFO")
+    for name in chosen if there is not None else ():
+        if name not in there:
+            lines_of(box, told("The surface has no material '{name}'", name=name), "ERROR")
+
+
+def _draw_shown(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """Show Density, and the term that it shows."""
+    is_on = overlay.is_on(obj)
+    layout.operator(DAPPLE_OT_show_density.bl_idname, icon="OVERLAY", depress=is_on)
+    if is_on:
+        layout.prop(obj.dapple.density, "shown_term")
+    if overlay.note():
+        lines_of(layout, overlay.note(), "INFO")
+
+
+def _materials(obj: bpy.types.Object) -> tuple[str, ...]:
+    surface = obj.dapple.surface
+    if surface is None:
+        return ()
+    found = surface_materials(surface, bpy.context.evaluated_depsgraph_get())
+    return tuple(one.name_full for one in found)
+
+
+MATERIALS = Prepared(_materials, None)  # of the surface of a scatter, by their full names

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The term of a scatter's density that is shown, and its inputs."""
+
+from dataclasses import dataclass, replace
+
+import bpy
+
+from ...core.density.colors import Colored
+from ...core.settings.density_table import ALL
+from ...core.settings.values import Settings
+from ..base.translation import item_label, told
+from ..scatter.object import settings_of, surface_of
+from ..surface.beside import obstacles_of, targets_of
+from ..surface.surroundings import read_camera
+
+_FOOT = 0.3048
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the colors are of, as far as it can be looked up quickly."""
+
+    surface: int  # session_uid
+    settings: Settings
+    density: str  # values of the class that is shown
+    alone: bool  # whether the settings are of one term
+    camera: bytes = b""
+
+
+def asked_of(obj: bpy.types.Object) -> Asked:
+    """What is to be shown of a scatter now."""
+    surface, settings, at = surface_of(obj), settings_of(obj), obj.dapple.class_index
+    term = obj.dapple.density.shown_term
+    alone, density = term != ALL, ""
+    if alone:
+        settings = replace(settings, density=settings.density.alone(term))
+    elif 0 <= at < len(settings.classes):
+        density = settings.classes[at].density
+    camera = b""
+    if settings.density.use_camera:
+        camera = read_camera(bpy.context.evaluated_depsgraph_get()).tobytes()
+    return Asked(surface.session_uid, settings, density, alone, camera)
+
+
+def watched_by(obj: bpy.types.Object, asked: Asked) -> frozenset[int]:
+    """Data-blocks whose updates mean that the colors may be others, by session_uid."""
+    surface, density = surface_of(obj), asked.settings.density
+    found = [surface, surface.data, obj.dapple.density.image]
+    if density.obstacles:
+        found += obstacles_of(density.obstacles, surface, obj)
+    for target in targets_of(density, surface, obj):
+        found += [target, target.data]
+    return frozenset(one.session_uid for one in found if one is not None)
+
+
+def legend_of(obj: bpy.types.Object, shown: Colored) -> tuple[str, str, str]:
+    """What is shown, and what the darkest and the brightest color stand for."""
+    prop = obj.dapple.density.bl_rna.properties["shown_term"]
+    label = item_label(prop, obj.dapple.density.shown_term)
+    if not shown.points:
+        return label, "0", f"{shown.most:.3g}"
+    unit, area = _unit(bpy.context.scene.unit_settings)
+    return (
+        label,
+        "0",
+        told("{most:.3g} points / {unit}", most=shown.most * shown.points * area, unit=unit),
+    )
+
+
+def _unit(units: bpy.types.UnitSettings) -> tuple[str, float]:
+    """A unit of area as the scene shows them, in square units of Blender."""
+    if units.system == "NONE":
+        return "1", 1.0
+    length = (1.0 if units.system == "METRIC" else _FOOT) / units.scale_length
+    return "m\u00b2" if units.system == "METRIC" else "ft\u00b2", length * length

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live preview: while the artist scrubs or poses, points are kept even within a time budget.
+
+An app timer reads the surface after Blender has evaluated it, a worker finds the points' places,
+and the timer writes a binding of its own, which the node group plays in the viewport only. Renders
+play the bake or the stored binding, so nothing here runs in one or changes one. Handlers only note
+that something happened.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ...core.base.errors import ScatterError, StoppedError
+from ...core.base.steps import Stepper
+from ..base.handlers import Handlers
+from ..base.object_handles import Held
+from ..base.renders import busy, when_one_begins
+from ..base.timers import call_off, call_within
+from ..base.translation import told
+from ..scatter.object import surface_of
+from ..scatter.points import own_points
+from .preview_binding import clear_bindings
+from .preview_steps import Preview, begin_steps, follow_steps
+
+_TICK = 0.05  # seconds between two looks at the surface
+_POLL = 0.005  # seconds between two looks at a worker
+_LONG = 3600.0  # seconds that a Blender without windows waits for one
+
+
+@dataclass
+class _State:
+    """What the timer and the handlers share; file data is always looked up anew."""
+
+    previews: dict[int, Preview]  # by the scatter's session_uid
+    dirty: bool = False
+    undone: bool = False  # an undo may have brought back a preview that is off
+    said: str = ""  # why a preview ended by itself
+
+
+_state = _State({})
+
+
+def is_on(obj: bpy.types.Object) -> bool:
+    """Whether a scatter is previewed."""
+    return obj.session_uid in _state.previews
+
+
+def note(obj: bpy.types.Object) -> str:
+    """What the panel says about a scatter's preview."""
+    if not is_on(obj):
+        return _state.said
+    follower = _state.previews[obj.session_uid].follower
+    if follower is None:
+        return told("The preview is being prepared")
+    if follower.over_budget:
+        return told("Over budget: points stick to the surface")
+    return told("Points are kept even")
+
+
+def start(obj: bpy.types.Object) -> None:
+    """Preview a scatter; ScatterError if it does not fit its surface.
+
+    Blender with windows finds that out while the artist goes on, and the panel says it.
+    """
+    preview = Preview(Held(obj), Held(surface_of(obj)))
+    if not own_points(obj).all():
+        raise ScatterError(
+            f"Scatter '{obj.name}' has points that its bake added: clear the bake to preview"
+        )
+    _give_up(obj.session_uid)
+    clear_bindings(keep=_state.previews)  # a copy of a scatter that is previewed has its preview
+    preview.job = Stepper(begin_steps(preview))
+    _wait_in_background(preview.job)
+    _poll(preview)
+    _state.previews[obj.session_uid] = preview
+    _state.said, _state.dirty = "", True
+    call_within(_TICK, tick)
+
+
+def stop(obj: bpy.types.Object) -> None:
+    """End a scatter's preview: it shows its bake or its stored binding again."""
+    _give_up(obj.session_uid)
+    clear_bindings(keep=_state.previews)
+
+
+def solved_anew(obj: bpy.types.Object) -> None:
+    """Have a scatter's preview, if there is one, begin from the points that it has now."""
+    preview = _state.previews.get(obj.session_uid)
+    clear_bindings(keep=_state.previews)
+    if preview is not None:
+        _begin_anew(preview)
+
+
+def _begin_anew(preview: Preview) -> None:
+    try:
+        start(preview.scatter.get())
+    except ScatterError as error:
+        _end(preview, str(error))
+
+
+def tick() -> float | None:
+    """Look at the surfaces that are previewed; seconds until the next look, None to end."""
+    if _state.undone and not busy():
+        _state.undone = False
+        clear_bindings(keep=_state.previews)
+    if not _state.previews and not _state.undone:
+        return None
+    if busy():
+        return _TICK
+    dirty, _state.dirty = _state.dirty, False
+    for preview in list(_state.previews.values()):
+        if preview.job is None and (dirty or _has_other_surface(preview)):
+            _try(preview, _follow)
+        elif preview.job is not None:
+            _state.dirty |= dirty  # to be looked at when that is done
+            _try(preview, _poll)
+    goes_on = any(one.job is not None for one in _state.previews.values())
+    return _POLL if goes_on else _TICK
+
+
+def _try(preview: Preview, step: Callable[[Preview], None]) -> None:
+    try:
+        step(preview)
+    except ScatterError as error:
+        _end(preview, str(error))
+    except StoppedError:  # a render took its place
+        preview.job = None
+
+
+def _poll(preview: Preview) -> None:
+    """One step of what goes on."""
+    if preview.job is not None and preview.job.poll():
+        preview.job = None
+
+
+def _follow(preview: Preview) -> None:
+    """Begin to look at a surface."""
+    if _has_other_surface(preview):
+        _begin_anew(preview)
+        return
+    preview.job = Stepper(follow_steps(preview))
+    _wait_in_background(preview.job)
+    _poll(preview)
+
+
+def _wait_in_background(job: Stepper) -> None:
+    """A Blender without windows has no timers."""
+    while bpy.app.background and not job.poll(wait=_LONG):
+        pass
+
+
+def _has_other_surface(preview: Preview) -> bool:
+    """Whether the artist has chosen another surface, or deleted one of both."""
+    try:
+        surface = preview.scatter.get().dapple.surface
+    except ScatterError:
+        return True
+    return surface is None or surface.session_uid != preview.surface.uid
+
+
+def _give_up(uid: int) -> None:
+    """Forget a preview, and what its worker still finds."""
+    preview = _state.previews.pop(uid, None)
+    if preview is not None and preview.job is not None:
+        preview.job.abandon()
+
+
+def _give_all_up() -> None:
+    for uid in list(_state.previews):
+        _give_up(uid)
+
+
+def _end(preview: Preview, why: str) -> None:
+    _give_up(preview.scatter.uid)
+    _state.said = told("Preview ended: {why}", why=why)
+    clear_bindings(keep=_state.previews)
+
+
+def _touched(*_arguments: Any) -> None:
+    _state.dirty = True
+
+
+def _render_begins() -> None:
+    """Workers stop; the surfaces are looked at again afterward."""
+    _state.dirty = True
+    for preview in _state.previews.values():
+        if preview.job is not None:
+            preview.job.cancel()
+
+
+def _undone(*_arguments: Any) -> None:
+    _state.undone = _state.dirty = True
+    call_within(_TICK, tick)
+
+
+def _leaving(*_arguments: Any) -> None:
+    _give_all_up()
+    _state.undone, _state.said = False, ""
+
+
+def _loaded(*_arguments: Any) -> None:
+    """Files that were saved while they recovered may show a preview."""
+    clear_bindings()
+
+
+def _saving(*_arguments: Any) -> None:
+    """What is saved shows the bake or the stored binding."""
+    _give_all_up()
+    clear_bindings()
+
+
+_HANDLERS = Handlers(
+    depsgraph_update_post=_touched,
+    frame_change_post=_touched,
+    render_complete=_touched,
+    render_cancel=_touched,
+    undo_post=_undone,
+    redo_post=_undone,
+    load_pre=_leaving,
+    load_post=_loaded,
+    save_pre=_saving,
+)
+
+
+def register() -> None:
+    """Watch what happens to the file."""
+    when_one_begins(_render_begins)
+    _HANDLERS.watch()
+
+
+def unregister() -> None:
+    """Stop all previews and watching."""
+    _HANDLERS.unwatch()
+    call_off(tick)
+    _give_all_up()
+    if hasattr(bpy.data, "objects"):  # there is no file yet while Blender starts
+        clear_bindings()

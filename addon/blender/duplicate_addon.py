@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two enabled copies of the add-on, as from two repositories: they would take each other's names.
+
+The second adds nothing but a message in the preferences, and begins when the first is disabled.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import bpy
+
+from .base.extension import PACKAGE
+from .base.labels import lines_of
+from .base.timers import call_off, call_within
+from .base.translation import english, told
+
+_LOOK = 1.0  # seconds between two looks
+
+
+@dataclass
+class _Waiting:
+    begin: Callable[[], None] | None = None
+
+
+_waiting = _Waiting()
+
+
+def other() -> str:
+    """Module of another copy that is enabled; empty when there is none."""
+    shown = getattr(bpy.types, "DAPPLE_PT_main", None)
+    package = "" if shown is None else shown.__module__.removesuffix(".blender.main_panel")
+    return "" if package == PACKAGE else package
+
+
+def waits() -> bool:
+    """Whether this copy waits for the other one."""
+    return _waiting.begin is not None
+
+
+def wait(begin: Callable[[], None]) -> None:
+    """Call begin when the other copy is disabled."""
+    _waiting.begin = begin
+    bpy.utils.register_class(DAPPLE_AP_waiting)
+    call_within(_LOOK, look)
+    print(f"Dapple: {note(english)}")
+
+
+def stop() -> None:
+    """Wait no more."""
+    _waiting.begin = None
+    call_off(look)
+    bpy.utils.unregister_class(DAPPLE_AP_waiting)
+
+
+def look() -> float | None:
+    """Begin if the other copy is gone; seconds until the next look."""
+    if _waiting.begin is None:
+        return None
+    if other():
+        return _LOOK
+    begin = _waiting.begin
+    stop()
+    begin()
+    return None
+
+
+def note(say: Callable[..., str] = told) -> str:
+    """The message for the artist meanwhile."""
+    return say(
+        "Another copy of Dapple is enabled ('{other}'). This one ('{own}') does nothing "
+        "until it is disabled",
+        other=other(),
+        own=PACKAGE,
+    )
+
+
+class DAPPLE_AP_waiting(bpy.types.AddonPreferences):
+    """Preferences of a copy that waits."""
+
+    bl_idname = PACKAGE
+
+    def draw(self, context: bpy.types.Context) -> None:
+        lines_of(self.layout, note(), "ERROR")

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""File > Export: the instances of scatters, for other programs."""
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper
+
+from ...core.base.native import missing
+from ...core.export import GLTF, SUFFIXES
+from ..base.step_operators import AllOrNothing, Status
+from ..base.translation import counted, reported, told
+from ..scatter.object import is_scatter
+from .points import Written, export_points
+
+FORMATS = (
+    (".usdc", "USD", "Universal Scene Description: a PointInstancer, also of many frames"),
+    (".usda", "USD (Text)", "Universal Scene Description as text"),
+    (".glb", "glTF", "Instances of one frame for game engines and the web"),
+    (".csv", "CSV", "A table with a line for each instance and frame"),
+    (".npz", "NumPy", "Arrays for Python scripts"),
+)
+
+
+class DAPPLE_OT_export(AllOrNothing, bpy.types.Operator, ExportHelper):
+    """Write the instances of the selected scatters to a file for other programs, with the objects
+    that stand there"""
+
+    bl_idname = "dapple.export"
+    bl_label = "Export Dapple Points"
+
+    filter_glob: StringProperty(
+        name="File Filter",
+        description="Files that the file browser shows",
+        default=";".join(f"*{suffix}" for suffix in SUFFIXES),
+        options={"HIDDEN"},
+    )
+    format: EnumProperty(name="Format", description="What is written", items=FORMATS)
+    animation: BoolProperty(
+        name="Animation",
+        description="All frames of the scene range, instead of the one that is shown",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if missing():
+            cls.poll_message_set(missing())
+        elif not chosen(context):
+            cls.poll_message_set(told("Select the scatters to export"))
+        elif context.mode != "OBJECT":
+            cls.poll_message_set(told("Needs Object Mode"))
+        else:
+            return True
+        return False
+
+    @property
+    def filename_ext(self) -> str:
+        """What the file browser makes of a name without an ending."""
+        return str(self.format)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Ask for a file; what is baked is exported as it moves."""
+        self.animation = any(obj.dapple.baked_keys for obj in chosen(context))
+        return super().invoke(context, event)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "format")
+        row = layout.row()
+        row.enabled = self.format not in GLTF
+        row.prop(self, "animation")
+
+    def work(self, context: bpy.types.Context) -> None:
+        path = Path(bpy.path.abspath(self.filepath))
+        written = export_points(path, chosen(context), self._frames(context.scene, path))
+        for kind, text in _said(written):
+            self.report({kind}, text)
+
+    def concerned(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        return chosen(context)
+
+    def _frames(self, scene: bpy.types.Scene, path: Path) -> list[int]:
+        if not self.animation or path.suffix.lower() in GLTF:
+            return []
+        return list(range(scene.frame_start, scene.frame_end + 1))
+
+
+def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The selected scatters, or else the active one."""
+    found = [obj for obj in context.selected_objects if is_scatter(obj)]
+    return found or [obj for obj in (context.object,) if is_scatter(obj)]
+
+
+def _said(written: Written) -> list[tuple[str, str]]:
+    names = ", ".join(path.name for path in written.files)
+    said = [
+        ("INFO", reported("{names}: {count:,} instances", names=names, count=written.instances))
+    ]
+    if written.left_out:
+        left = ", ".join(written.left_out)
+        said.append(("WARNING", reported("Left out, as they are no meshes: {names}", names=left)))
+    if written.skewed:
+        text = counted(
+            written.skewed,
+            "{count} instance is skewed by an object's scale: it is written without that",
+            "{count} instances are skewed by an object's scale: they are written without that",
+        )
+        said.append(("WARNING", text))
+    return said
+
+
+def draw_menu(menu: Any, _context: bpy.types.Context) -> None:
+    """File > Export."""
+    menu.layout.operator(DAPPLE_OT_export.bl_idname, text="Dapple Points (.usd/.glb/.csv/.npz)")
+
+
+def register() -> None:
+    """Add the line to the menu."""
+    bpy.types.TOPBAR_MT_file_export.append(draw_menu)
+
+
+def unregister() -> None:
+    """Take it out."""
+    bpy.types.TOPBAR_MT_file_export.remove(draw_menu)
+
+
+CLASSES = (DAPPLE_OT_export,)

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What has other contents than when a result was solved, and what only moves."""
+
+import bpy
+
+from ...core.solve.stale import changed_settings
+from ...core.surface.sources import (
+    PLACES,
+    UNKNOWN,
+    Sources,
+    differing,
+    is_of_faces,
+    sources_from,
+    value_roles,
+)
+from ...nodes import get_input, has_input
+from ..base.translation import told
+from ..scatter.modifier import scatter_modifier
+from ..scatter.object import settings_changed, settings_of
+
+
+def solution_reason(obj: bpy.types.Object, now: Sources) -> str:
+    """Why a solution is not that of the settings and contents now; empty when it is.
+
+    What is on a later frame as it is because it moves is no reason.
+    """
+    names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
+    if names and obj.dapple.solved_settings:
+        return settings_changed(names)
+    if other_surface(obj):
+        return other_surface(obj)
+    before = sources_from(obj.dapple.solved_from)
+    if before is None:
+        return ""
+    reasons, _ = _compared(obj, before, now)
+    return reasons[0] if reasons else ""
+
+
+def solved_time(obj: bpy.types.Object) -> float | None:
+    """The time of the animation at which a result was solved; None where it is not known."""
+    before = sources_from(obj.dapple.solved_from)
+    return None if before is None else before.frame
+
+
+def contents(obj: bpy.types.Object, now: Sources) -> tuple[list[str], str]:
+    """What has other contents than when the result was solved; what is only so in this frame."""
+    baked = bool(obj.dapple.baked_keys)
+    before = sources_from(obj.dapple.baked_from if baked else obj.dapple.solved_from)
+    if before is not None:
+        return _compared(obj, before, now)
+    return [], ""
+
+
+def _compared(obj: bpy.types.Object, before: Sources, now: Sources) -> tuple[list[str], str]:
+    """Reasons, and a note of inputs that differ from the previous frame because they move."""
+    roles = [role for role in differing(before, now) if role != "faces"]
+    same = before.exact.get("faces") == now.exact.get("faces")
+    roles = [role for role in roles if not (role == "scale" if same else is_of_faces(role))]
+    roles.sort(key=lambda role: role != "shape")  # where all else is depends on it
+    if before.frame == now.frame:
+        return [_said(obj, role) for role in roles], _unknown(before)
+    if obj.dapple.baked_keys:  # it is known what moves; shapes have sketches in every frame
+        moving = {*before.moving, "shape"}
+        return [_said(obj, role) for role in roles if role not in moving], ""
+    places = [role for role in roles if role in PLACES]
+    still = [_said(obj, role) for role in roles if role not in PLACES]
+    return still, _note(before.frame, places) if places else _unknown(before)
+
+
+def _unknown(before: Sources) -> str:
+    if UNKNOWN not in before.exact.values():
+        return ""
+    return told("Attached to other faces since then: values of the surface are not compared")
+
+
+def frozen_note(obj: bpy.types.Object) -> str:
+    """What moved during a bake while the density was that of its first frame; empty: nothing."""
+    roles = obj.dapple.baked_frozen.split()
+    if not roles:
+        return ""
+    return told(
+        "The density is that of frame {frame}, although these move: {what}",
+        frame=obj.dapple.baked_start,
+        what=_listed(roles),
+    )
+
+
+def _note(frame: float, roles: list[str]) -> str:
+    return told(
+        "Differs from frame {frame:g}, where the points were optimized: {what}",
+        frame=frame,
+        what=_listed(roles),
+    )
+
+
+def _listed(roles: list[str]) -> str:
+    labels = {
+        "shape": told("shape of the surface"),
+        "scale": told("shape of the surface"),
+        "up": told("direction and height of the surface"),
+        "north": told("direction and height of the surface"),
+        "noise": told("origin of the surface"),
+        "camera": told("camera"),
+        "obstacles": told("avoided objects"),
+        "others": told("avoided objects"),
+        "targets": told("objects that a distance is measured to"),
+        "image": told("image"),
+        "uv": told("texture coordinates"),
+    }
+    others = told("values of the surface")
+    return ", ".join(dict.fromkeys(labels.get(role, others) for role in roles))
+
+
+def _said(obj: bpy.types.Object, role: str) -> str:
+    """That a role has other contents."""
+    settings, surface = settings_of(obj), obj.dapple.surface.name
+    named = value_roles(settings)
+    if role == "material":
+        return told("Materials of '{surface}' were assigned to other faces", surface=surface)
+    if role in named:
+        return told("Values of '{name}' were changed", name=named[role])
+    if role == "image":
+        return told("Image '{name}' was changed", name=settings.density.image)
+    if role == "uv":
+        return told("UV map of '{surface}' was changed", surface=surface)
+    if role == "camera":
+        return told("The camera was moved or changed")
+    if role in ("obstacles", "others"):
+        return told("Avoided objects were moved or changed")
+    if role == "targets":
+        return told("Objects that a distance is measured to were moved or changed")
+    if role == "noise":
+        return told(
+            "Surface '{surface}' has another origin, and the noise depends on it", surface=surface
+        )
+    if role in ("up", "north"):
+        return told(
+            "Surface '{surface}' was rotated or moved, and the density depends on it",
+            surface=surface,
+        )
+    return told("Surface '{surface}' has another shape or scale than before", surface=surface)
+
+
+def other_surface(obj: bpy.types.Object) -> str:
+    """Whether points are played on another surface than the one that is chosen."""
+    modifier = scatter_modifier(obj)
+    if modifier is None or not has_input(modifier, "Surface"):
+        return ""
+    played = get_input(modifier, "Surface")
+    if played is None or played == obj.dapple.surface:
+        return ""
+    return told(
+        "The points are on '{played}', not on '{chosen}'",
+        played=played.name,
+        chosen=obj.dapple.surface.name,
+    )

@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel says of a result without waiting for it: whether it fits, what is on the disk.
+
+Drawing only shows what was found last. Handlers note what changed; once nothing has changed for a
+moment, an app timer looks again, at what changed alone. While nothing changes nothing is done, but
+for a picture: Blender has no handler for changed pixels. In background mode there is no timer, and
+what is asked for is found at once.
+"""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+
+from ...core.base.errors import ScatterError
+from ..base import step_operators
+from ..base.handlers import Handlers
+from ..base.object_handles import Held
+from ..base.sidebars import is_shown, redraw
+from ..base.timers import call_in, call_off
+from ..surface.images import picture_digest
+from .scene_snapshot import AROUND, Present, depends_on
+from .staleness import Verdict, verdict
+from .unfinished_bakes import all_work_files, left_over, unfinished
+
+_PAUSE = 0.2  # seconds without a change before the timer looks, or more where looking takes long
+_PATIENCE = 5.0  # so much longer than looking took is the pause
+_RARELY = 20.0  # the same for glances
+_GLANCE = 2.0  # seconds between two glances at a picture, or more likewise
+
+at_once = bpy.app.background
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What is known of a result."""
+
+    verdict: Verdict
+    unfinished: int  # solved frames that Bake would go on from
+    left_over: int  # those that are of no use
+    files: bool  # whether there are any work files
+
+
+@dataclass
+class _Asked:
+    """A scatter that the panel shows."""
+
+    scatter: Held
+    present: Present = field(default_factory=Present)
+    depends: dict[int, tuple[str, ...]] = field(default_factory=dict)  # by session_uid
+    findings: Findings | None = None
+    doubtful: bool = True
+    picture: tuple[Any, str] = (None, "")  # what is quickly compared of a picture, and its digest
+
+
+@dataclass
+class _State:
+    """What the timer, the handlers and the panel share; file data is always looked up anew."""
+
+    asked: dict[int, _Asked] = field(default_factory=dict)  # by the scatter's session_uid
+    changed: float = 0.0  # when, by the monotonic clock
+    took: float = 0.0  # seconds of the last look
+    glanced: float = 0.0  # when pictures were looked at
+    glance_took: float = 0.0
+    rendering: bool = False
+
+
+_state = _State()
+
+
+def findings(obj: bpy.types.Object, context: bpy.types.Context) -> Findings | None:
+    """What is known of a scatter; None while that is to be found yet."""
+    if at_once:
+        return _find(obj, context, Present())
+    one = _state.asked.get(obj.session_uid)
+    if one is None:
+        one = _state.asked[obj.session_uid] = _Asked(Held(obj))
+        _wake()
+    fits = one.findings is not None and not one.findings.verdict.reason
+    return None if one.doubtful and fits else one.findings
+
+
+def has_work_files(obj: bpy.types.Object, context: bpy.types.Context) -> bool:
+    """Whether bakes of a scatter have left any; True while that is to be found yet."""
+    if at_once:
+        return bool(all_work_files(obj))
+    known = findings(obj, context)
+    return known is None or known.files
+
+
+def touch(obj: bpy.types.Object) -> None:
+    """Something of a scatter changed that no handler notices."""
+    if obj.session_uid in _state.asked:
+        _doubt(_state.asked[obj.session_uid])
+
+
+def tick() -> float | None:
+    """Look again where something changed; seconds until the next time, None to end."""
+    wait = max(_PAUSE, _PATIENCE * _state.took) - (time.monotonic() - _state.changed)
+    if _busy() or wait > 0.0:
+        return max(wait, _PAUSE)
+    for uid, one in list(_state.asked.items()):
+        obj = _object(one)
+        if obj is None or not is_shown(obj):
+            del _state.asked[uid]
+        elif one.doubtful:
+            _look(one, obj)
+    _glance_at_pictures()
+    if any(one.doubtful for one in _state.asked.values()):
+        return _PAUSE
+    return _GLANCE if any(_picture(one) for one in _state.asked.values()) else None
+
+
+def _look(one: _Asked, obj: bpy.types.Object) -> None:
+    begin = time.monotonic()
+    one.depends = depends_on(obj, bpy.context.scene)
+    one.findings = _find(obj, bpy.context, one.present)
+    one.doubtful = False
+    _state.took = time.monotonic() - begin
+    redraw()
+
+
+def _find(obj: bpy.types.Object, context: bpy.types.Context, present: Present) -> Findings:
+    found = verdict(obj, context, present)
+    return Findings(found, unfinished(obj), left_over(obj), bool(all_work_files(obj)))
+
+
+def _object(one: _Asked) -> bpy.types.Object | None:
+    try:
+        return one.scatter.get()
+    except ScatterError:  # it was removed
+        return None
+
+
+def _picture(one: _Asked) -> bpy.types.Image | None:
+    obj = _object(one)
+    return obj.dapple.density.image if obj is not None else None
+
+
+def _glance_at_pictures() -> None:
+    """Doubt what a picture is for, where it may have been painted: no handler notices that."""
+    pause = max(_GLANCE, _RARELY * _state.glance_took)
+    if time.monotonic() - _state.glanced < pause:
+        return
+    begin = time.monotonic()
+    for one in _state.asked.values():
+        image = _picture(one)
+        if image is not None:
+            _glance(one, image)
+    _state.glanced = time.monotonic()
+    _state.glance_took = _state.glanced - begin
+
+
+def _glance(one: _Asked, image: bpy.types.Image) -> None:
+    """A picture that has changes is read; one that is as on the disk is not."""
+    token = (image.session_uid, image.is_dirty, image.filepath, image.source, tuple(image.size))
+    if token == one.picture[0] and not image.is_dirty:
+        return
+    seen = (token, picture_digest(image))
+    if one.picture[0] is not None and seen != one.picture:
+        one.present.forget(AROUND)
+        one.doubtful = True
+    one.picture = seen
+
+
+def _doubt(one: _Asked) -> None:
+    one.doubtful = True
+    _state.changed = time.monotonic()
+    _wake()
+
+
+def _wake() -> None:
+    """Have the timer look soon, which may sleep between two glances."""
+    call_in(_PAUSE, tick)
+
+
+def _busy() -> bool:
+    """Whether Blender renders, plays the animation or solves."""
+    rendering = _state.rendering or bpy.app.is_job_running("RENDER")
+    return rendering or step_operators.is_under_way() or any(_playing())
+
+
+def _playing() -> Iterator[bool]:
+    for manager in bpy.data.window_managers:
+        yield manager.is_interface_locked
+        yield from (window.screen.is_animation_playing for window in manager.windows)
+
+
+def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """Note which of what the shown scatters depend on was changed."""
+    if not _state.asked:
+        return
+    touched = {one.id.original.session_uid: _has_other_content(one) for one in depsgraph.updates}
+    for one in _state.asked.values():
+        for uid in touched.keys() & one.depends.keys():
+            if touched[uid]:
+                one.present.forget(*one.depends[uid])
+            _doubt(one)
+
+
+def _has_other_content(update: bpy.types.DepsgraphUpdate) -> bool:
+    """Updates also list objects that are merely evaluated after others."""
+    changed = update.is_updated_geometry or update.is_updated_transform
+    return changed or not isinstance(update.id, bpy.types.Object)
+
+
+def _frame_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    _updated(scene, depsgraph)
+    _all_doubtful()
+
+
+def _all_doubtful(*_arguments: Any) -> None:
+    for one in _state.asked.values():
+        _doubt(one)
+
+
+def _forget(*_arguments: Any) -> None:
+    _state.asked.clear()
+    _state.rendering = False
+
+
+def _render_begins(*_arguments: Any) -> None:
+    _state.rendering = True
+
+
+def _render_ends(*_arguments: Any) -> None:
+    _state.rendering = False
+    _all_doubtful()
+
+
+_HANDLERS = Handlers(
+    depsgraph_update_post=_updated,
+    frame_change_post=_frame_changed,
+    render_init=_render_begins,
+    render_complete=_render_ends,
+    render_cancel=_render_ends,
+    undo_post=_forget,
+    redo_post=_forget,
+    load_pre=_forget,
+    save_post=_all_doubtful,
+)
+
+
+def register() -> None:
+    """Watch what happens to the file."""
+    _HANDLERS.watch()
+
+
+def unregister() -> None:
+    """Know nothing and watch nothing."""
+    _forget()
+    call_off(tick)
+    _HANDLERS.unwatch()

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is there now, to be compared with what a result was solved from.
+
+Each part is read when it is asked for and kept until it is forgotten, so that looking again after
+a change costs no more than what changed.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...core.bake.keys import wrong_index
+from ...core.density.terms import names_of
+from ...core.settings.values import materials_of
+from ...core.solve.stale import Sketched, sketched
+from ...core.surface.arrays import SurfaceArrays, topology_digest
+from ...core.surface.sources import (
+    Outline,
+    Sources,
+    around_sources,
+    joined,
+    outline_of,
+    surface_sources,
+)
+from ..scatter.key_stores import key_tables, stores_of
+from ..scatter.object import settings_of
+from ..scatter.points import points_digest
+from ..surface.beside import own_objects
+from ..surface.members import collections_of, members_of
+from ..surface.surface_mesh import read_surface, value_digests
+from ..surface.surroundings import read_around
+
+SURFACE, VALUES, AROUND = "surface", "values", "around"
+POINTS, KEYS = "points", "keys"
+
+
+@dataclass(frozen=True)
+class Looked:
+    """A surface as it is now, without its arrays."""
+
+    name: str
+    vertices: int
+    trouble: str  # why no points can be on it, in English; empty: they can
+    bare: bool  # whether it has no faces
+    outline: Outline
+    sketched: Sketched
+
+
+@dataclass
+class Present:
+    """What is there now for one scatter, as far as it was asked for."""
+
+    parts: dict[str, tuple[Any, Any]] = field(default_factory=dict)  # what it was asked with, found
+
+    def forget(self, *names: str) -> None:
+        """Have these parts be read again."""
+        for name in names:
+            self.parts.pop(name, None)
+
+    def surface(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Looked:
+        """The surface of a scatter; ScatterError if it has no mesh."""
+        surface = obj.dapple.surface
+        return self._kept(SURFACE, surface.session_uid, lambda: _look(surface, depsgraph))
+
+    def sources(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Sources:
+        """All that a solution would be solved from now; ScatterError if none can be."""
+        settings, surface = settings_of(obj), obj.dapple.surface
+        outline, uid = self.surface(obj, depsgraph).outline, surface.session_uid
+        names, materials = names_of(settings), materials_of(settings.density)
+        values = self._kept(
+            VALUES,
+            (uid, names, materials),
+            lambda: value_digests(surface, depsgraph, names, materials),
+        )
+        own = sorted(one.session_uid for one in own_objects(obj))
+        beside = self._kept(
+            AROUND,
+            (uid, settings.density, own),
+            lambda: around_sources(outline.pose, read_around(settings, surface, depsgraph, obj)),
+        )
+        found = surface_sources(outline, values, settings)
+        return replace(joined(found, beside), frame=float(depsgraph.scene.frame_current_final))
+
+    def points(self, obj: bpy.types.Object) -> str:
+        """Digest of the points as they are stored."""
+        return str(self._kept(POINTS, obj.data.session_uid, lambda: points_digest(obj)))
+
+    def wrong_key(self, obj: bpy.types.Object) -> str:
+        """The first index of a bake that points to nothing; empty where all are right."""
+        asked = obj.dapple.bake_fingerprint
+        return str(self._kept(KEYS, asked, lambda: wrong_index(*key_tables(obj))))
+
+    def _kept(self, name: str, asked: Any, read: Callable[[], Any]) -> Any:
+        known = self.parts.get(name)
+        if known is None or known[0] != asked:
+            known = self.parts[name] = (asked, read())
+        return known[1]
+
+
+def _look(surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Looked:
+    arrays = read_surface(surface, depsgraph, cut=False)
+    count, bare = len(arrays.vertices), _is_bare(arrays)
+    trouble = "has no faces" if bare else _trouble(arrays)
+    if trouble:
+        arrays = replace(arrays, vertices=np.empty((0, 3)))
+    return Looked(arrays.name, count, trouble, bare, outline_of(arrays), sketched(arrays))
+
+
+def _is_bare(arrays: SurfaceArrays) -> bool:
+    """Whether a surface that is not triangulated has no faces."""
+    none = np.empty(0, dtype=np.int32)
+    count = len(arrays.vertices)
+    return not count or arrays.topology == topology_digest(count, none, none)
+
+
+def _trouble(arrays: SurfaceArrays) -> str:
+    finite = np.isfinite(arrays.vertices).all(axis=1)
+    if finite.all():
+        return ""
+    vertex = int(np.argmin(finite))
+    return f"vertices[{vertex}] is not finite: {arrays.vertices[vertex].tolist()}"
+
+
+def depends_on(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[int, tuple[str, ...]]:
+    """What a result depends on, by session_uid, and the parts that are read of it."""
+    density, surface = obj.dapple.density, obj.dapple.surface
+    found: dict[int, tuple[str, ...]] = {obj.session_uid: ()}
+    around = [scene, density.image, *_obstacles(density.obstacles)]
+    if density.use_distance:
+        around += _with_data(density.distance_object)
+        around += _obstacles(density.distance_collection)
+    if density.use_camera:
+        around += _with_data(scene.camera)
+    whole = [block for one in members_of(surface) for block in _with_data(one)]
+    parts = [([*whole, *collections_of(surface)], (SURFACE, VALUES, AROUND)), (around, (AROUND,))]
+    parts += [([obj.data], (POINTS,)), (_stores(obj), (KEYS,))]
+    for blocks, names in parts:
+        for block in filter(None, blocks):
+            known = found.get(block.session_uid, ())
+            found[block.session_uid] = (*known, *names)
+    return found
+
+
+def _with_data(obj: bpy.types.Object | None) -> list[Any]:
+    return [] if obj is None else [obj, obj.data]
+
+
+def _obstacles(collection: bpy.types.Collection | None) -> list[Any]:
+    if collection is None:
+        return []
+    objects = [block for obj in collection.all_objects for block in _with_data(obj)]
+    return [collection, *collection.children_recursive, *objects]
+
+
+def _stores(obj: bpy.types.Object) -> list[Any]:
+    if not obj.dapple.baked_keys:
+        return []
+    return [block for store in stores_of(obj) for block in _with_data(store)]

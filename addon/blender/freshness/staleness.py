@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Why a result does not fit any more: surface, faces, points, settings, contents, keys, motion."""
+
+from dataclasses import dataclass
+
+import bpy
+
+from ...core.base.errors import ScatterError
+from ...core.surface.sources import Sources
+from ..base.translation import told
+from ..scatter.hand_marks import touched_places
+from ..scatter.object import is_surface, settings_reason, solve_again
+from ..scatter.points import points_digest
+from ..surface.joined import has_lost_some, is_joined, parts_of, pieces_of
+from ..surface.members import wanted
+from .bake_staleness import bake_reason, bound_vertices, is_baked_bare
+from .contents import contents, other_surface, solution_reason
+from .point_edits import points_reason
+from .scene_snapshot import Looked, Present
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a result fits what is there now."""
+
+    reason: str = ""  # why not, the first of the reasons; empty when it fits
+    note: str = ""  # what cannot be compared in this frame
+
+
+def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
+    """The first of the reasons in words; empty when the result fits."""
+    return verdict(obj, context).reason
+
+
+def verdict(
+    obj: bpy.types.Object, context: bpy.types.Context, present: Present | None = None
+) -> Verdict:
+    """Compare a result with what is there now: present, as far as it was read before.
+
+    Motion is compared on whole frames that are baked: call it again on another frame.
+    """
+    depsgraph = context.evaluated_depsgraph_get()
+    try:
+        return _verdict(obj, depsgraph, present or Present())
+    except ScatterError as error:  # nothing could be solved from what is there
+        return Verdict(str(error))
+
+
+def _verdict(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, present: Present) -> Verdict:
+    if _is_unseen(obj, depsgraph):
+        reason = other_surface(obj) or _parts_reason(obj.dapple.surface)
+        note = told("Not compared with its surface while it is hidden")
+        return Verdict(solve_again(obj, reason)) if reason else Verdict("", note)
+    reason = _object_reason(obj, depsgraph)
+    if reason:
+        return Verdict(reason)
+    looked = present.surface(obj, depsgraph)
+    reason = _surface_reason(obj, depsgraph, looked) or points_reason(obj, present)
+    reason = reason or settings_reason(obj)
+    if reason:
+        return Verdict(reason)
+    if looked.bare:
+        return Verdict(bake_reason(obj, depsgraph.scene, present, looked))
+    reasons, note = contents(obj, present.sources(obj, depsgraph))
+    if reasons:
+        return Verdict(solve_again(obj, reasons[0]))
+    if obj.dapple.baked_keys:
+        return Verdict(bake_reason(obj, depsgraph.scene, present, looked))
+    return Verdict("", note)
+
+
+def _is_unseen(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether nothing that is shown needs a joined surface: then Blender does not evaluate it."""
+    surface = obj.dapple.surface
+    joined = surface is not None and is_joined(surface)
+    return joined and not len(surface.evaluated_get(depsgraph).data.vertices)
+
+
+def _object_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
+    """What keeps the surface from being looked at."""
+    surface = obj.dapple.surface
+    if surface is None:
+        return told("The surface is gone")
+    if not is_surface(surface):
+        return told(
+            "Surface '{surface}' is not a mesh, curve, text or metaball", surface=surface.name
+        )
+    if not surface.evaluated_get(depsgraph).is_evaluated:
+        return told("Surface '{surface}' is not in the view layer", surface=surface.name)
+    if not surface.users_collection and surface.library is None and not is_joined(surface):
+        return told(
+            "Surface '{surface}' was deleted or is in no collection: choose another one",
+            surface=surface.name,
+        )
+    return ""
+
+
+def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked: Looked) -> str:
+    surface = obj.dapple.surface
+    if is_joined(surface) and _parts_reason(surface):
+        reason = _parts_reason(surface)
+    elif obj.dapple.bound_to == "REST":
+        reason = _rest_reason(surface)
+    else:
+        reason = _faces_reason(obj, depsgraph, looked)
+    if looked.trouble and not reason and not is_baked_bare(obj, depsgraph.scene, looked):
+        reason = told(
+            "Surface '{surface}': {trouble}", surface=surface.name, trouble=looked.trouble
+        )
+    reason = reason or other_surface(obj)
+    return solve_again(obj, reason) if reason else ""
+
+
+def _rest_reason(surface: bpy.types.Object) -> str:
+    for part in parts_of(surface):
+        if part.type == "MESH" and not part.add_rest_position_attribute:
+            return told("Rest Position of '{surface}' is off", surface=part.name)
+    return ""
+
+
+def _parts_reason(surface: bpy.types.Object) -> str:
+    """Whether a joined surface does not consist of what it is to."""
+    if has_lost_some(surface):
+        return told("A part of '{surface}' was deleted", surface=surface.name)
+    before, now = pieces_of(surface), wanted(surface)
+    for piece in before:
+        if piece not in now:
+            return told(
+                "'{part}' of '{surface}' was deleted or left its collection",
+                part=piece.object.name,
+                surface=surface.name,
+            )
+    for piece in now[len(before) :]:
+        return told(
+            "'{part}' was added to '{surface}'", part=piece.object.name, surface=surface.name
+        )
+    return ""
+
+
+def _faces_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked: Looked) -> str:
+    bound, now = bound_vertices(obj, depsgraph.scene), looked.vertices
+    known = obj.dapple.surface_topology.split()
+    if now not in bound:
+        return told(
+            "Attached to {bound:,} vertices, the surface has {now:,}", bound=bound[0], now=now
+        )
+    if known and looked.outline.topology not in known:
+        return told(
+            "The faces of '{surface}' are not those that the points are attached to",
+            surface=looked.name,
+        )
+    return ""
+
+
+def needs_solving(obj: bpy.types.Object, now: Sources) -> bool:
+    """Whether a result is not that of the settings and contents now; True after an undo that has
+    brought back the points or the settings, but not both.
+    """
+    known = obj.dapple.surface_topology.split()
+    on_faces = obj.dapple.bound_to == "FACES" and bool(known)
+    other_faces = on_faces and now.exact["faces"] not in known
+    other_binding = obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to)
+    undone = bool(obj.dapple.solved_points) and points_digest(obj) != obj.dapple.solved_points
+    placed = touched_places(obj) is not None
+    changed = placed or other_faces or other_binding or undone
+    return changed or bool(solution_reason(obj, now))

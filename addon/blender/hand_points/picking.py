@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a ray from the viewport meets a surface."""
+
+import bpy
+import numpy as np
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
+
+from ...core.surface.arrays import Floats
+from ..surface.surface_mesh import evaluated_mesh
+
+
+def met(surface: bpy.types.Object, origin: Vector, direction: Vector) -> Floats | None:
+    """The first place of the surface that a ray meets, in world space; None: it meets none."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    matrix = surface.evaluated_get(depsgraph).matrix_world
+    inverse = matrix.inverted_safe()
+    begin, end = inverse @ origin, inverse @ (origin + direction)
+    if surface.type == "MESH":
+        there, place, _, _ = surface.evaluated_get(depsgraph).ray_cast(begin, end - begin)
+    else:
+        with evaluated_mesh(surface, depsgraph) as mesh:
+            faces = [tuple(face.vertices) for face in mesh.polygons]
+            tree = BVHTree.FromPolygons([vertex.co for vertex in mesh.vertices], faces)
+        place = tree.ray_cast(begin, end - begin)[0]
+        there = place is not None
+    return np.array(matrix @ place) if there else None

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points placed by hand one by one: added, moved, removed."""
+
+import bmesh
+import bpy
+import numpy as np
+
+from ...core.base.errors import ScatterError
+from ...core.surface.arrays import Floats
+from ..base.mesh_arrays import to_local
+from ..scatter.library import own_mesh
+from ..scatter.object import surface_of
+from ..scatter.points import point_columns_of
+from ..surface.bound import binding_now
+from ..surface.reading import read
+from .hand_placed import take_in
+
+
+def add_point(obj: bpy.types.Object, place: Floats, kind: int) -> int:
+    """Add a point of an object type at the place of the surface that is nearest; its id."""
+    mesh, row = own_mesh(obj), len(obj.data.vertices)
+    mesh.vertices.add(1)
+    mesh.vertices[row].co = to_local(obj, place[None])[0]
+    try:
+        take_in(obj, np.zeros(row + 1, dtype=bool), kind)
+    except ScatterError:
+        _remove(obj, [row])
+        raise
+    return int(point_columns_of(obj)["id"][row])
+
+
+def nearest_point(obj: bpy.types.Object, place: Floats, within: float) -> int | None:
+    """The id of the point that is nearest to a place and no farther than that; None: none is."""
+    surface = surface_of(obj)
+    arrays = read(surface)
+    away = binding_now(obj, surface, arrays).positions(arrays.vertices) - place
+    distances = np.linalg.norm(away, axis=1)
+    if not len(distances) or distances.min() > within:
+        return None
+    return int(point_columns_of(obj)["id"][distances.argmin()])
+
+
+def move_point(obj: bpy.types.Object, identity: int, place: Floats) -> None:
+    """Move a point to the place of the surface that is nearest."""
+    row = _row_of(obj, identity)
+    moved = np.zeros(len(obj.data.vertices), dtype=bool)
+    moved[row] = True
+    point = own_mesh(obj).vertices[row]
+    before = point.co.copy()
+    point.co = to_local(obj, place[None])[0]
+    try:
+        take_in(obj, moved)
+    except ScatterError:
+        own_mesh(obj).vertices[row].co = before
+        raise
+
+
+def remove_point(obj: bpy.types.Object, identity: int) -> None:
+    """Remove a point."""
+    row = _row_of(obj, identity)
+    surface = surface_of(obj)
+    arrays = read(surface)
+    lost = binding_now(obj, surface, arrays).positions(arrays.vertices)[[row]]
+    _remove(obj, [row])
+    take_in(obj, np.zeros(len(obj.data.vertices), dtype=bool), lost=lost)
+
+
+def _row_of(obj: bpy.types.Object, identity: int) -> int:
+    found = np.flatnonzero(point_columns_of(obj)["id"] == identity)
+    if not len(found):
+        raise ScatterError(f"Scatter '{obj.name}' has no point {identity}")
+    return int(found[0])
+
+
+def _remove(obj: bpy.types.Object, rows: list[int]) -> None:
+    edited = bmesh.new()
+    edited.from_mesh(obj.data)
+    edited.verts.ensure_lookup_table()
+    bmesh.ops.delete(edited, geom=[edited.verts[row] for row in rows], context="VERTS")
+    edited.to_mesh(own_mesh(obj))
+    edited.free()

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A tool of the 3D View in Object Mode: a click adds a point, a drag pulls one, Ctrl removes it."""
+
+from typing import Any, ClassVar
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty
+
+from ...core.surface.arrays import Floats
+from ..base.step_operators import Status, tried
+from ..base.translation import reported
+from ..solve import auto_update
+from ..surface.polls import editable
+from .mouse import place_under_mouse
+from .pulled_line import Line
+from .single_points import add_point, move_point, nearest_point, remove_point
+
+_GRAB, _REMOVE = 0.35, 1.0  # spacings within which a point is under the mouse
+_STILL = 3  # pixels that a click may move
+
+
+class DAPPLE_OT_pull_point(bpy.types.Operator):
+    """Click on the surface to add a point, drag a point to move it. Both are locked. With Ctrl,
+    remove the nearest point"""
+
+    bl_idname = "dapple.pull_point"
+    bl_label = "Pull Point"
+    bl_options: ClassVar = {"REGISTER", "UNDO", "INTERNAL"}
+
+    remove: BoolProperty(name="Remove", description="Remove the nearest point")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return editable(cls, context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Add or remove a point where the mouse is, or take hold of the one that is there."""
+        return self._tried(context, lambda: self._begin(context, event))
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Let go where the button is released; Esc and the right button leave the point."""
+        if event.type in {"ESC", "RIGHTMOUSE"}:
+            self._let_go(context)
+            return {"CANCELLED"}
+        if event.type == "MOUSEMOVE":
+            self._line.to((event.mouse_region_x, event.mouse_region_y))
+        if event.type != "LEFTMOUSE" or event.value != "RELEASE":
+            return {"RUNNING_MODAL"}
+        self._let_go(context)
+        moved = max(abs(event.mouse_x - self._from[0]), abs(event.mouse_y - self._from[1]))
+        if moved <= _STILL:
+            return {"CANCELLED"}
+        return self._tried(context, lambda: self._end(context, event))
+
+    def _tried(self, context: bpy.types.Context, work: Any) -> Status:
+        status = tried(self, context, work)
+        if status == {"FINISHED"}:
+            auto_update.touch(context.object)
+        return status
+
+    def _begin(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        obj, place = context.object, self._place(context, event)
+        if place is None:
+            return {"CANCELLED"}
+        spacing = obj.dapple.report.spacing
+        point = nearest_point(obj, place, (_REMOVE if self.remove else _GRAB) * spacing)
+        if self.remove and point is not None:
+            remove_point(obj, point)
+        elif not self.remove and point is None:
+            kind = obj.dapple.class_index if obj.dapple.classes else 0
+            add_point(obj, place, kind)
+        elif point is None:
+            return {"CANCELLED"}
+        else:
+            self._point, self._from = point, (event.mouse_x, event.mouse_y)
+            self._line = Line(context, (event.mouse_region_x, event.mouse_region_y))
+            context.window.cursor_modal_set("SCROLL_XY")
+            context.window_manager.modal_handler_add(self)
+            return {"RUNNING_MODAL"}
+        return {"FINISHED"}
+
+    def _end(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        place = self._place(context, event)
+        if place is None:
+            return {"CANCELLED"}
+        move_point(context.object, self._point, place)
+        return {"FINISHED"}
+
+    def _place(self, context: bpy.types.Context, event: bpy.types.Event) -> Floats | None:
+        place = place_under_mouse(context, event)
+        if place is None:
+            self.report({"WARNING"}, reported("The surface is not under the mouse"))
+        return None if place is None else np.asarray(place)
+
+    def _let_go(self, context: bpy.types.Context) -> None:
+        context.window.cursor_modal_restore()
+        self._line.remove()
+
+
+class DAPPLE_TOOL_points(bpy.types.WorkSpaceTool):
+    bl_space_type = "VIEW_3D"
+    bl_context_mode = "OBJECT"
+    bl_idname = "dapple.points"
+    bl_label = "Scatter Points"
+    bl_description = (
+        "Click on the surface of the active scatter to add a point, drag a point to move it, Ctrl "
+        "and click to remove one"
+    )
+    bl_icon = "ops.curves.sculpt_add"
+    bl_keymap = (
+        ("dapple.pull_point", {"type": "LEFTMOUSE", "value": "PRESS"}, None),
+        (
+            "dapple.pull_point",
+            {"type": "LEFTMOUSE", "value": "PRESS", "ctrl": True},
+            {"properties": [("remove", True)]},
+        ),
+    )
+
+
+CLASSES = (DAPPLE_OT_pull_point,)
+
+_added: list[type] = []
+
+
+def register() -> None:
+    """Add the tool, where there are windows."""
+    if not bpy.app.background:
+        add_tool()
+
+
+def add_tool() -> None:
+    bpy.utils.register_tool(DAPPLE_TOOL_points, separator=True)
+    _added.append(DAPPLE_TOOL_points)
+
+
+def unregister() -> None:
+    """Take it back."""
+    while _added:
+        bpy.utils.unregister_tool(_added.pop())

@@ -1,9 +1,0 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
-"""When nothing may be updated, as something else has the file."""
-
-from ..base import artist, job, renders
-
-
-def is_held() -> bool:
-    """Whether Blender renders, plays, paints a stroke, or an operator of the add-on works."""
-    return renders.busy() or job.is_under_way() or artist.is_playing() or artist.is_painting()

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Main panel in the 3D View's sidebar; the sub-panels are in panels/."""
+
+import bpy
+
+from ..core.base.native import missing
+from . import panels
+from .add.list_operators import DAPPLE_OT_select_surface
+from .add.operators import DAPPLE_OT_surface_from_selected
+from .add.panel import draw_surface
+from .assets.panel import draw_placing
+from .base.labels import lines_of
+from .base.translation import told
+from .density.paint_panel import draw_painting
+from .hand_points.edit_panel import draw_editing
+from .presets.operators import draw_presets
+from .scatter.object import active_surface, is_scatter, rest_note
+from .scatter.panel import Panel
+from .solve.job_panel import draw_work
+from .solve.operators import DAPPLE_OT_optimize
+from .solve.results_panel import draw_result
+from .surface import subdivision_operators
+from .surface.subdivision_operators import DAPPLE_OT_match_subdivision
+
+
+class DAPPLE_PT_main(Panel, bpy.types.Panel):
+    bl_label = "Dapple"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split, layout.use_property_decorate = True, False
+        if missing():
+            lines_of(layout, missing(), "ERROR")
+            return
+        draw_work(layout, context)
+        if draw_editing(layout, context):
+            return
+        if is_scatter(context.object):
+            if not draw_placing(layout, context.object):
+                _draw_scatter(layout, context)
+        elif not draw_painting(layout, context):
+            draw_surface(layout, context.object)
+            _draw_mismatch(layout, context, "INFO")
+
+
+def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    settings = context.object.dapple
+    row = layout.row()
+    part = row.row(align=True)
+    part.prop(settings, "surface")
+    if len(context.selected_objects) > 1:
+        part.operator(DAPPLE_OT_surface_from_selected.bl_idname, text="", icon="IMPORT")
+    part.operator(DAPPLE_OT_select_surface.bl_idname, text="", icon="RESTRICT_SELECT_OFF")
+    draw_presets(row)
+    row = layout.row()
+    row.scale_y = 1.5
+    row.operator(DAPPLE_OT_optimize.bl_idname, icon="PLAY")
+    layout.prop(settings, "quality")
+    layout.prop(settings, "auto_update")
+    draw_result(layout, context, context.object)
+    if settings.bound_to == "FACES" and not rest_note(context.object):
+        _draw_mismatch(layout, context, "ERROR")
+
+
+def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context, icon: str) -> None:
+    surface = active_surface(context)
+    causes = subdivision_operators.DIFFERENCES.of(surface) if surface else ()
+    if causes:
+        text = told("Viewport and renders differ: {causes}", causes="; ".join(causes))
+        lines_of(layout, text, icon)
+        layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
+
+
+CLASSES = (DAPPLE_PT_main, *panels.CLASSES)

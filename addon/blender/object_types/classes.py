@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The list of classes of a scatter: adding, removing, moving; the pair that overlaps most."""
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from ...core.base.errors import ScatterError
+from ...core.solve.class_counts import class_counts, with_area
+from ...core.solve.stale import changed_settings
+from ...core.surface.arrays import Floats, Ints
+from ...core.surface.sources import sources_from
+from ...nodes import INSTANCE_INPUTS
+from ..base.times import show_time
+from ..scatter.modifier import ensure_modifier, property_name, write_instance_inputs
+from ..scatter.object import settings_of
+from ..scatter.points import own_columns, point_columns_of
+from ..surface.played import places_now
+
+_COUNTING = {"count", "per_area", "density", "classes"}  # what the number of points depends on
+
+
+def change_classes(obj: bpy.types.Object, action: str) -> None:
+    """ADD, REMOVE, UP or DOWN, at the class that is shown; the node group follows."""
+    kinds, at = obj.dapple.classes, obj.dapple.class_index
+    if action == "ADD":
+        _add(obj)
+        at = len(kinds) - 1
+    elif action == "REMOVE" and 0 <= at < len(kinds):
+        kinds.remove(at)
+        at = min(at, len(kinds) - 1)
+    elif action in ("UP", "DOWN"):
+        to = at + (1 if action == "DOWN" else -1)
+        if 0 <= to < len(kinds):
+            kinds.move(at, to)
+            at = to
+    obj.dapple.class_index = max(at, 0)
+    ensure_modifier(obj)
+    write_instance_inputs(obj)
+
+
+def _add(obj: bpy.types.Object) -> None:
+    kind = obj.dapple.classes.add()
+    count = len(obj.dapple.classes)
+    kind.name = f"Type {count}"  # until it has an instance
+    if count > 1:
+        return
+    for label, _ in INSTANCE_INPUTS:  # what is placed now stays
+        name = property_name(label)
+        setattr(kind, name, getattr(obj.dapple, name))
+    kind.use_weights = obj.dapple.use_weights
+    for one, own in zip(kind.weights, obj.dapple.weights, strict=False):
+        one.weight = own.weight
+
+
+def count_labels(obj: bpy.types.Object) -> list[str]:
+    """The number of points that each class has, for the list; where it is to get another one, that
+    with a tilde, the trouble if it cannot.
+    """
+    settings = settings_of(obj)
+    changed = changed_settings(obj.dapple.solved_settings, settings)
+    try:
+        if obj.dapple.solved_settings and not _COUNTING.intersection(changed):
+            return [f"{count:,}" for count in _counted(obj)]
+        if settings.per_area:
+            settings = with_area(settings, _solved_mass(obj))
+        return [f"~{count:,}" for count in class_counts(settings)]
+    except ScatterError:
+        return ["?"] * len(obj.dapple.classes)
+
+
+def _counted(obj: bpy.types.Object) -> list[int]:
+    """The points of each class that are there."""
+    classes, most = (
+        own_columns(obj, {"dapple_class": "INT"})["dapple_class"],
+        len(obj.dapple.classes),
+    )
+    return np.bincount(classes, minlength=most)[:most].tolist()
+
+
+def _solved_mass(obj: bpy.types.Object) -> float:
+    """As large as the density of the last solution has made it."""
+    sources = sources_from(obj.dapple.solved_from)
+    if sources is None or not sources.capacity:
+        raise ScatterError(f"Scatter '{obj.name}' was not solved by this version")
+    return sources.capacity
+
+
+def select_overlap(obj: bpy.types.Object, context: bpy.types.Context) -> Vector:
+    """Select the two points whose instances overlap most; the place between them, in the world.
+
+    A bake goes to the frame in which they do.
+
+    Raises:
+        ScatterError: one of them is no more, or cannot be found on the surface as it is.
+    """
+    report = obj.dapple.report
+    ids = point_columns_of(obj)["id"]
+    pair = [_row(ids, one, obj.name) for one in (report.overlap_first, report.overlap_second)]
+    between = _places_of(obj, pair, context).mean(axis=0)
+    if not np.isfinite(between).all():
+        raise ScatterError(f"Scatter '{obj.name}': places of its points are not finite")
+    chosen = np.zeros(len(obj.data.vertices), dtype=bool)
+    chosen[pair] = True
+    obj.data.vertices.foreach_set("select", chosen)
+    obj.data.update()
+    return Vector(between)
+
+
+def _places_of(obj: bpy.types.Object, rows: list[int], context: bpy.types.Context) -> Floats:
+    scene, report = context.scene, obj.dapple.report
+    if not obj.dapple.baked_keys or not report.overlap_frame:
+        return places_now(obj, rows, context)
+    if not 0 <= report.overlap_frame - obj.dapple.baked_start < obj.dapple.baked_frames:
+        raise ScatterError(
+            f"Scatter '{obj.name}': frame {report.overlap_frame} is not baked: bake again"
+        )
+    before = scene.frame_current, scene.frame_subframe
+    show_time(scene, report.overlap_frame)
+    try:
+        return places_now(obj, rows, context)
+    except ScatterError:
+        scene.frame_set(before[0], subframe=before[1])
+        raise
+
+
+def _row(ids: Ints, one: int, name: str) -> int:
+    found = np.flatnonzero(ids == one)
+    if not len(found):
+        raise ScatterError(f"Scatter '{name}': point {one} was removed: optimize the scatter")
+    return int(found[0])

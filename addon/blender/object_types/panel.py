@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sub-panel for what is put on the points, and the list of object types."""
+
+import bpy
+
+from ..base.panel_values import Prepared
+from ..base.translation import told
+from ..scatter.panel import ScatterPanel
+from .classes import count_labels
+from .operators import DAPPLE_OT_edit_classes, DAPPLE_OT_select_overlap
+
+_AXES = ("scale_x", "scale_y", "scale_z")
+_TOLD = 0.005  # what becomes 1 % at least
+
+
+class DAPPLE_UL_classes(bpy.types.UIList):
+    """Name of each class, and how many points it gets."""
+
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        data: bpy.types.AnyType,
+        item: bpy.types.AnyType,
+        icon: int,
+        active_data: bpy.types.AnyType,
+        active_property: str,
+        index: int = 0,
+        flt_flag: int = 0,
+    ) -> None:
+        row = layout.row()
+        icon_name = "OUTLINER_COLLECTION" if item.collection else "OBJECT_DATA"
+        row.prop(item, "name", text="", emboss=False, icon=icon_name)
+        counts = CLASS_COUNTS.of(data.id_data)
+        part = row.row()
+        part.alignment = "RIGHT"
+        part.label(text=counts[index] if index < len(counts) else "")
+
+
+class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
+    bl_label = "Instances"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.object.dapple
+        layout.use_property_split, layout.use_property_decorate = True, False
+        _draw_class_list(layout, settings)
+        owner = active_type(settings)
+        if owner != settings:
+            _draw_class(layout, owner)
+        column = layout.column(align=True)
+        column.prop(owner, "instance")
+        column.prop(owner, "collection")
+        if owner.collection:
+            _draw_weights(column, owner)
+        _draw_size(layout, owner)
+        if settings.report.worst_overlap >= _TOLD:
+            row = layout.row()
+            row.label(text=_overlap(settings))
+            row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
+
+
+def _draw_weights(column: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
+    column.prop(owner, "use_weights")
+    for one in owner.weights if owner.use_weights else ():
+        member = one.object or one.collection
+        if member:
+            column.prop(one, "weight", text=member.name, translate=False)
+
+
+def _draw_size(layout: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
+    column = layout.column(align=True)
+    column.prop(owner, "scale")
+    _draw_axes(column.split(factor=0.4), owner)
+    column.prop(owner, "scale_randomness", text="Random Down")
+    column.prop(owner, "scale_growth", text="Random Up")
+    column = layout.column(align=True)
+    column.prop(owner, "fit")
+    column.prop(owner, "density_scale")
+
+
+def _draw_axes(split: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
+    """Three numbers side by side, which a layout of labels and values has no room for."""
+    split.use_property_split = False
+    label = split.row()
+    label.alignment = "RIGHT"
+    label.label(text="Scale XYZ")
+    row = split.row(align=True)
+    for name in _AXES:
+        row.prop(owner, name, text="")
+
+
+def active_type(settings: bpy.types.AnyType) -> bpy.types.AnyType:
+    """The object type that the panels show; the scatter's own settings where it has none."""
+    kinds, at = settings.classes, settings.class_index
+    return kinds[min(max(at, 0), len(kinds) - 1)] if kinds else settings
+
+
+def _overlap(settings: bpy.types.AnyType) -> str:
+    report = settings.report
+    share = 100 * report.worst_overlap
+    if not settings.baked_keys:
+        return told("Max overlap {share:.0f} %", share=share)
+    frame = report.overlap_frame
+    return told("Max overlap {share:.0f} % in frame {frame}", share=share, frame=frame)
+
+
+def _draw_class_list(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
+    edit = DAPPLE_OT_edit_classes.bl_idname
+    if not settings.classes:
+        layout.operator(edit, text="Add Object Type", icon="ADD").action = "ADD"
+        return
+    row = layout.row()
+    row.template_list(DAPPLE_UL_classes.__name__, "", settings, "classes", settings, "class_index")
+    column = row.column(align=True)
+    icons = {"ADD": "ADD", "REMOVE": "REMOVE", "UP": "TRIA_UP", "DOWN": "TRIA_DOWN"}
+    for action, icon in icons.items():
+        column.operator(edit, text="", icon=icon).action = action
+
+
+def _draw_class(layout: bpy.types.UILayout, kind: bpy.types.AnyType) -> None:
+    row = layout.row(heading="Exact Count")
+    row.prop(kind, "use_count", text="")
+    part = row.row()
+    part.active = kind.use_count
+    part.prop(kind, "count", text="")
+    part = layout.row()
+    part.active = not kind.use_count
+    part.prop(kind, "share")
+    row = layout.row(align=True)
+    part = row.row(align=True)
+    part.active = not kind.radius_from_bounds
+    part.prop(kind, "radius")
+    row.prop(kind, "radius_from_bounds", text="", icon="PIVOT_BOUNDBOX")
+    layout.prop(kind, "density")
+
+
+def _class_counts(obj: bpy.types.Object) -> tuple[str, ...]:
+    return tuple(count_labels(obj))
+
+
+CLASS_COUNTS = Prepared(_class_counts, ())

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far what is placed reaches from the points: the radius of an object type from its bounds."""
+
+import math
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+
+from ...core.surface.arrays import Floats
+from ..base.mesh_arrays import read_points
+from .object import scale_of
+from .weights import is_picked, members
+
+_SAME = 1e-5  # relative change of a radius that is none
+
+
+def follow_bounds(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) -> None:
+    """Give an object type the radius of its instances, if it follows them."""
+    if not kind.radius_from_bounds:
+        return
+    radius = _footprint(kind, depsgraph) * scale_of(kind)
+    if not math.isclose(radius, kind.radius, rel_tol=_SAME):
+        kind.radius = radius
+
+
+def _footprint(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) -> float:
+    """Radius of the circle around the Z axis that no instance ever leaves."""
+    reaches = [
+        float(np.hypot(places[:, 0], places[:, 1]).max(initial=0.0))
+        for places in _places(kind, depsgraph)
+    ]
+    return max(reaches, default=0.0)
+
+
+def _places(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) -> Iterator[Floats]:
+    """Vertices (n, 3) of each object that is placed, as it is placed: objects without their own
+    transform, a collection inside another one as a whole.
+    """
+    chosen = kind.collection
+    if chosen is None or not (chosen.objects or chosen.children):
+        yield from (_vertices(one, depsgraph) for one in (kind.instance,) if one is not None)
+        return
+    picked = [one for one in members(chosen) if is_picked(kind, one)]
+    yield from (_vertices(one, depsgraph) for one in picked if isinstance(one, bpy.types.Object))
+    for inner in (one for one in picked if isinstance(one, bpy.types.Collection)):
+        for one in inner.all_objects:
+            matrix = np.array(one.evaluated_get(depsgraph).matrix_world)
+            places = _vertices(one, depsgraph) @ matrix[:3, :3].T + matrix[:3, 3]
+            yield places - np.array(inner.instance_offset)
+
+
+def _vertices(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
+    """Of an object after its modifiers; of one without a mesh the corners of its bounds."""
+    evaluated = obj.evaluated_get(depsgraph)
+    if evaluated.type == "MESH":
+        return read_points(evaluated.data)
+    if evaluated.type in {"EMPTY", "LIGHT", "CAMERA", "LIGHT_PROBE", "SPEAKER"}:
+        return np.zeros((0, 3))
+    return np.array(evaluated.bound_box, dtype=np.float64)

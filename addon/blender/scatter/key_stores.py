@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The objects that hold the keys of a bake: found, read and checked."""
+
+from collections.abc import Container
+
+import bpy
+import numpy as np
+
+from ...core.bake.keys import Baked, wrong_index
+from ...core.base.errors import ScatterError
+from ...core.surface.arrays import Floats, Ints
+from ...core.surface.records import (
+    FRAME_ATTRIBUTES,
+    GONE_ATTRIBUTES,
+    KEY_ATTRIBUTES,
+    LEAN_ATTRIBUTES,
+    REST_TRIANGLE_ATTRIBUTES,
+    ROOM_ATTRIBUTES,
+    TRIANGLE_ATTRIBUTES,
+    Columns,
+)
+from ...nodes import get_input, has_input
+from ..base.all_or_nothing import once_done
+from ..base.mesh_arrays import read_columns, write_columns, write_points
+from .modifier import scatter_modifier
+
+STORES = ("Keys", "Triangles", "Frames")  # inputs of the node group that hold a bake
+
+
+def stored_object(obj: bpy.types.Object, name: str) -> bpy.types.Object:
+    """The object that holds a baked scatter's Keys, Triangles or Frames; ScatterError if none."""
+    modifier = scatter_modifier(obj)
+    found = get_input(modifier, name) if modifier and has_input(modifier, name) else None
+    if found is None:
+        raise ScatterError(f"Scatter '{obj.name}' has no baked {name}: bake again")
+    if not isinstance(found, bpy.types.Object) or found.type != "MESH":
+        kind = getattr(found, "type", "number").lower()
+        raise ScatterError(
+            f"{name} '{getattr(found, 'name', found)}' of '{obj.name}' is a {kind}, not a mesh: "
+            "bake again"
+        )
+    if found.data == obj.data:  # seen once in Blender 5.2, after an undo
+        raise ScatterError(f"{name} of '{obj.name}' are its own points: bake again")
+    return found
+
+
+def stores_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects that hold a bake, as far as they are there."""
+    modifier = scatter_modifier(obj)
+    if modifier is None:
+        return []
+    found = (get_input(modifier, name) for name in STORES if has_input(modifier, name))
+    return [store for store in found if isinstance(store, bpy.types.Object)]
+
+
+def new_store(
+    obj: bpy.types.Object,
+    name: str,
+    columns: Columns,
+    types: dict[str, str],
+    places: Floats | None = None,
+) -> bpy.types.Object:
+    """Object outside every scene, whose points store columns."""
+    label = f"{obj.name} {name}"
+    store = bpy.data.objects.new(label, bpy.data.meshes.new(label))
+    count = len(columns[next(iter(types))])
+    write_points(store.data, np.zeros((count, 3)) if places is None else places)
+    write_columns(store.data, columns, types)
+    once_done(lambda: _name(store, label))  # those of the last bake have it until then
+    return store
+
+
+def _name(store: bpy.types.Object, label: str) -> None:
+    for block in (store, store.data):
+        if block.name != label:
+            block.name = label
+
+
+def read_baked(obj: bpy.types.Object) -> Baked:
+    """The keys of a baked scatter."""
+    keys, triangles, frames = (stored_object(obj, name).data for name in STORES)
+    return Baked(
+        read_columns(keys, {**KEY_ATTRIBUTES, "position": "FLOAT_VECTOR"}),
+        read_columns(triangles, triangle_types(triangles.attributes)),
+        read_columns(frames, FRAME_ATTRIBUTES),
+    )
+
+
+def key_types(there: Container[str]) -> dict[str, str]:
+    """Columns of keys, as far as a bake has them: not every one has births, leaning and rooms."""
+    types = dict(KEY_ATTRIBUTES)
+    for own in (GONE_ATTRIBUTES, LEAN_ATTRIBUTES, ROOM_ATTRIBUTES):
+        types |= {name: kind for name, kind in own.items() if name in there}
+    return types
+
+
+def triangle_types(there: Container[str]) -> dict[str, str]:
+    """Columns of triangles, as far as a bake has them: a rest shape is not in every one."""
+    types = {**TRIANGLE_ATTRIBUTES, **REST_TRIANGLE_ATTRIBUTES}
+    return {name: kind for name, kind in types.items() if name in there}
+
+
+def key_tables(obj: bpy.types.Object) -> tuple[Ints, Columns, Columns, int]:
+    """Of a bake: the triangle of each row, the triangles, the frames; and the points of a key."""
+    keys, triangles, frames = (stored_object(obj, name).data for name in STORES)
+    return (
+        read_columns(keys, KEY_ATTRIBUTES)["dapple_face"],
+        read_columns(triangles, TRIANGLE_ATTRIBUTES),
+        read_columns(frames, FRAME_ATTRIBUTES),
+        key_points(obj),
+    )
+
+
+def check_keys(obj: bpy.types.Object) -> None:
+    """ScatterError if a bake points to what is not there."""
+    wrong = wrong_index(*key_tables(obj))
+    if wrong:
+        raise ScatterError(f"Scatter '{obj.name}': the keyframes are damaged ({wrong}): bake again")
+
+
+def key_points(obj: bpy.types.Object) -> int:
+    """Points of each key; ScatterError where that is no number."""
+    modifier = scatter_modifier(obj)
+    there = modifier is not None and has_input(modifier, "Key Points")
+    found = get_input(modifier, "Key Points") if there else None
+    if not isinstance(found, int) or found < 0:
+        raise ScatterError(
+            f"Scatter '{obj.name}' does not know the number of its points: bake again"
+        )
+    return found
+
+
+def frames(obj: bpy.types.Object) -> dict[str, np.ndarray]:
+    """The table of the baked frames."""
+    found = read_columns(stored_object(obj, "Frames").data, FRAME_ATTRIBUTES)
+    count = len(found["dapple_key"])
+    if count != obj.dapple.baked_frames:
+        raise ScatterError(
+            f"Scatter '{obj.name}' has {count} baked frames, not {obj.dapple.baked_frames}: bake "
+            "again"
+        )
+    return found

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The modifier that plays a scatter back: its node group, and the inputs of that."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ...core.settings.display_table import DISPLAY_AS, WHERE
+from ...nodes import (
+    DETAIL_INPUTS,
+    GROUP_NAME,
+    INPUTS,
+    INSTANCE_INPUTS,
+    ensure_group,
+    get_input,
+    has_input,
+    input_name,
+    is_current,
+    set_input,
+    version_of,
+)
+from ..base.translation import english
+from .object import is_fluid, settings_reason
+from .weights import weights_text
+
+_WEIGHTS = "Weights"
+_DISPLAYS = [name for name, *_ in DISPLAY_AS]
+
+
+def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """The modifier that plays the scatter back."""
+    for modifier in obj.modifiers:
+        if modifier.type == "NODES" and version_of(modifier.node_group) > 0:
+            return modifier
+    return None
+
+
+def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
+    """The modifier with the group of this version; keys of an older one were cleared."""
+    modifier = scatter_modifier(obj)
+    if modifier is None:
+        modifier = obj.modifiers.new(GROUP_NAME, "NODES")
+    # One that is linked may stay: an override keeps only what it changes in the linked modifier.
+    if not is_current(modifier.node_group, len(obj.dapple.classes), _is_detailed(obj)):
+        _exchange_group(obj, modifier)
+        write_instance_inputs(obj)
+    return modifier
+
+
+def _exchange_group(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> None:
+    """Give a modifier the group that the scatter needs now; what both groups know stays."""
+    before = _inputs(modifier)
+    modifier.node_group = ensure_group(len(obj.dapple.classes), _is_detailed(obj))
+    for name, value in before.items():
+        if has_input(modifier, name):
+            set_input(modifier, name, value)
+    write_surface_inputs(obj, modifier)
+
+
+def _is_detailed(obj: bpy.types.Object) -> bool:
+    """Whether fewer points are shown at a distance somewhere."""
+    return any(getattr(obj.dapple, setting.name) for setting in WHERE)
+
+
+def _inputs(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
+    """Inputs that a group for another number of classes has too; none where there is no group."""
+    if modifier.node_group is None:
+        return {}
+    names = [name for name, kind in INPUTS if kind != "NodeSocketGeometry"]
+    return {name: get_input(modifier, name) for name in names if has_input(modifier, name)}
+
+
+def write_inputs(obj: bpy.types.Object) -> None:
+    """Give the node group all that it takes from the scatter's properties."""
+    write_surface_inputs(obj, ensure_modifier(obj))
+    write_instance_inputs(obj)
+
+
+def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> None:
+    """Give the node group what the points are bound to."""
+    set_input(modifier, "Surface", obj.dapple.surface)
+    set_input(modifier, "Surface Vertices", obj.dapple.surface_vertices)
+    set_input(modifier, "Rest Binding", obj.dapple.bound_to == "REST")
+    set_input(modifier, "Rest Parts", obj.dapple.bound_parts)
+    set_input(modifier, "Rest Vertices", _rest_vertices(obj))
+    set_input(modifier, "Spacing", obj.dapple.report.spacing)
+
+
+def _rest_vertices(obj: bpy.types.Object) -> int:
+    """Vertices of the surface on which faces are played, which is faster, and the same; 0: none.
+
+    Where the artist chose the rest position, modifiers may make other faces of as many vertices.
+    """
+    surface, topologies = obj.dapple.surface, obj.dapple.surface_topology.split()
+    by_itself = obj.dapple.bind_to == "AUTO" and surface is not None and not is_fluid(surface)
+    return obj.dapple.surface_vertices if by_itself and len(topologies) == 1 else 0
+
+
+def write_instance_inputs(obj: bpy.types.Object) -> None:
+    """Give the node group what to instance and how."""
+    modifier = scatter_modifier(obj)
+    if modifier is None:
+        return
+    if _lacks_inputs(obj, modifier):
+        _exchange_group(obj, modifier)
+    for tied in tied_inputs(obj, modifier):
+        set_input(modifier, tied.name, tied.value())
+    for index, kind in _kinds(obj):
+        if has_input(modifier, input_name(_WEIGHTS, index)):
+            set_input(modifier, input_name(_WEIGHTS, index), weights_text(kind))
+    obj.update_tag()
+
+
+def _kinds(obj: bpy.types.Object) -> list[tuple[int | None, bpy.types.PropertyGroup]]:
+    """What is placed, by the object types that there are."""
+    return list(enumerate(obj.dapple.classes)) or [(None, obj.dapple)]
+
+
+def _lacks_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> bool:
+    """Whether another group is needed to show what is asked for."""
+    detailed = _is_detailed(obj)
+    other = detailed != has_input(modifier, DETAIL_INPUTS[0][0])
+    other = other or (obj.dapple.display_as != "INSTANCES" and not has_input(modifier, "Display"))
+    return other or any(_lacks_own(modifier, kind, index) for index, kind in _kinds(obj))
+
+
+def _lacks_own(
+    modifier: bpy.types.NodesModifier, kind: bpy.types.PropertyGroup, index: int | None
+) -> bool:
+    """Whether a setting is not as when it was not there yet, and the group does not know it."""
+    if weights_text(kind) and not has_input(modifier, input_name(_WEIGHTS, index)):
+        return True
+    numbers = [name for name, socket in INSTANCE_INPUTS if socket == "NodeSocketFloat"]
+    return any(
+        getattr(kind, property_name(name)) != kind.bl_rna.properties[property_name(name)].default
+        for name in numbers
+        if not has_input(modifier, input_name(name, index))
+    )
+
+
+def property_name(label: str) -> str:
+    """The property that one of INSTANCE_INPUTS takes."""
+    return label.lower().replace(" ", "_")
+
+
+@dataclass(frozen=True)
+class Tied:
+    """An input of the node group that shows a property of the panel."""
+
+    name: str
+    owner: bpy.types.PropertyGroup
+    property: str
+
+    def value(self) -> Any:
+        """What the input has to be."""
+        return _to_input(self.property, getattr(self.owner, self.property))
+
+    def take_over(self, value: Any) -> None:
+        """Have the property be what the input is."""
+        setattr(self.owner, self.property, _from_input(self.property, value))
+
+
+def tied_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> list[Tied]:
+    """All that the node group has."""
+    found = [
+        Tied("Hidden", obj.dapple, "viewport_share"),
+        Tied("Display", obj.dapple, "display_as"),
+    ]
+    found += [Tied(name, obj.dapple, property_name(name)) for name, _ in DETAIL_INPUTS]
+    for index, kind in _kinds(obj):
+        found += [
+            Tied(input_name(name, index), kind, property_name(name)) for name, _ in INSTANCE_INPUTS
+        ]
+    return [one for one in found if has_input(modifier, one.name)]
+
+
+def _to_input(name: str, value: Any) -> Any:
+    if name == "viewport_share":
+        return 1.0 - value
+    return _DISPLAYS.index(value) if name == "display_as" else value
+
+
+def _from_input(name: str, value: Any) -> Any:
+    if name == "viewport_share":
+        return 1.0 - value
+    return _DISPLAYS[min(max(value, 0), len(_DISPLAYS) - 1)] if name == "display_as" else value
+
+
+def write_warning(obj: bpy.types.Object) -> None:
+    """Have the modifier warn when the settings are not those of the result."""
+    modifier = scatter_modifier(obj)
+    if modifier is not None and has_input(modifier, "Warning"):
+        set_input(modifier, "Warning", settings_reason(obj, english))
+        obj.update_tag()

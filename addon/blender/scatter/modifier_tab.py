@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is edited in the modifier tab is taken over by the panel, so that it overwrites nothing.
+
+The inputs that a modifier had last are remembered in the session: where they are others, and not
+those that the panel shows, the artist has edited them there.
+"""
+
+import math
+from typing import Any
+
+import bpy
+
+from ...nodes import get_input
+from ..base.handlers import Handlers
+from ..base.quiet import is_quiet
+from .library import read_only
+from .modifier import scatter_modifier, tied_inputs
+from .object import is_scatter
+
+_SINGLE = 1e-6  # relative precision of Blender's numbers
+_known: dict[int, dict[str, Any]] = {}  # inputs by the scatter's session_uid
+
+
+def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    if is_quiet():
+        return
+    for one in depsgraph.updates:
+        obj = one.id.original
+        if one.is_updated_geometry and isinstance(obj, bpy.types.Object) and is_scatter(obj):
+            _take_over(obj)
+
+
+def _take_over(obj: bpy.types.Object) -> None:
+    """Give the panel the inputs that were edited."""
+    modifier = scatter_modifier(obj)
+    if modifier is None:
+        return
+    found = [(tied, get_input(modifier, tied.name)) for tied in tied_inputs(obj, modifier)]
+    before = _known.get(obj.session_uid, {})
+    _known[obj.session_uid] = {tied.name: _remembered(value) for tied, value in found}
+    if read_only(obj):
+        return
+    for tied, value in found:
+        now = _remembered(value)
+        edited = not _same(before.get(tied.name, now), now)
+        if edited and not _same(_remembered(tied.value()), now):
+            tied.take_over(value)
+
+
+def _remembered(value: Any) -> Any:
+    """A value that outlives an undo: of a data-block its number."""
+    return ("", value.session_uid) if isinstance(value, bpy.types.ID) else value
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=_SINGLE)
+    return bool(one == other)
+
+
+def _forget(*_arguments: Any) -> None:
+    _known.clear()
+
+
+_HANDLERS = Handlers(depsgraph_update_post=_updated, load_pre=_forget)
+
+
+def register() -> None:
+    """Watch the modifiers of scatters."""
+    _HANDLERS.watch()
+
+
+def unregister() -> None:
+    """Watch and know nothing."""
+    _HANDLERS.unwatch()
+    _forget()

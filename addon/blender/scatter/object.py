@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scatter object: its properties as settings of the core, and its report."""
+
+from dataclasses import fields
+
+import bpy
+
+from ...core.base.errors import ScatterError
+from ...core.settings.density_table import DENSITY
+from ...core.settings.descriptors import DATA_BLOCKS, Kind
+from ...core.settings.tables import SCATTER
+from ...core.settings.values import (
+    BakeSettings,
+    ClassSettings,
+    DensitySettings,
+    Settings,
+    TileSettings,
+)
+from ...core.solve.clearance import largest_scale
+from ...core.solve.solve import Report
+from ...core.solve.stale import changed_baking, changed_settings
+from ...core.surface.records import SCHEMA_KEY
+from ..base.translation import Say, label_of, told
+
+# Fields of the core's settings and their properties.
+_PROPERTIES = {setting.field_name: setting.name for setting in SCATTER}
+_DATA_BLOCKS = {one.name: one.kind for one in DENSITY if one.kind in DATA_BLOCKS}
+_QUICK = 1000.0  # milliseconds
+_COUNTED = ("count", "spacing", "evaluations", "milliseconds", "converged", "measured")
+_SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+
+
+def is_scatter(obj: bpy.types.Object | None) -> bool:
+    """Whether the object was made by Dapple."""
+    return obj is not None and obj.type == "MESH" and SCHEMA_KEY in obj.data
+
+
+def is_unsolved(obj: bpy.types.Object) -> bool:
+    """Whether it is a scatter that has never had points, as one that comes from an asset."""
+    return is_scatter(obj) and not (obj.dapple.solved_settings or len(obj.data.vertices))
+
+
+def is_surface(obj: bpy.types.Object | None) -> bool:
+    """Whether Blender may evaluate the object to faces that points can be bound to."""
+    return obj is not None and obj.type in _SURFACE_TYPES and not is_scatter(obj)
+
+
+def is_fluid(obj: bpy.types.Object) -> bool:
+    """Whether a surface has other faces whenever it moves, and in the render."""
+    return obj.type == "META"
+
+
+def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
+    """The surface of a scatter object; ScatterError if none is chosen, or no surface."""
+    surface = obj.dapple.surface
+    if surface is None:
+        raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
+    if not is_surface(surface):
+        kind = "scatter" if is_scatter(surface) else surface.type.lower()
+        raise ScatterError(
+            f"Surface '{surface.name}' of '{obj.name}' is a {kind}, not a mesh, curve, text "
+            "or metaball: choose another object"
+        )
+    return surface
+
+
+def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The active object, or the surface of the active scatter."""
+    obj = context.object
+    if is_scatter(obj):
+        return obj.dapple.surface
+    return obj if is_surface(obj) else None
+
+
+def is_automatic(obj: bpy.types.Object) -> bool:
+    """Whether a scatter follows changes by itself: as the artist says, or as it is quick."""
+    chosen = obj.dapple.auto_update_choice
+    return bool(chosen == "ON" or (chosen != "OFF" and obj.dapple.report.milliseconds < _QUICK))
+
+
+def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
+    """Which settings are not those that the result was solved with; empty when all are."""
+    if not obj.dapple.solved_settings:
+        return ""
+    names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
+    if obj.dapple.baked_keys:
+        names += changed_baking(obj.dapple.baked_settings, bake_settings_of(obj))
+    if obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to):
+        names.append("bind_to")
+    return solve_again(obj, settings_changed(names, say), say) if names else ""
+
+
+def settings_changed(names: list[str], say: Say = told) -> str:
+    """That settings of these names were changed, as the panel calls them."""
+    known = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
+    listed = ", ".join(label_of(known[_PROPERTIES.get(name, name)], say) for name in names)
+    return say("Settings were changed ({names})", names=listed)
+
+
+def rest_note(obj: bpy.types.Object, say: Say = told) -> str:
+    """That points hold on to the rest position by themselves, and why; empty where not."""
+    surface, chosen = obj.dapple.surface, obj.dapple.bind_to
+    if surface is None or chosen != "AUTO" or obj.dapple.bound_to != "REST":
+        return ""
+    if is_fluid(surface):
+        return say("Metaballs change their faces: points are attached to the nearest places")
+    return say(
+        "Viewport and renders have different faces: points are attached to the rest position"
+    )
+
+
+def solve_again(obj: bpy.types.Object, reason: str, say: Say = told) -> str:
+    """A reason why a result does not fit, and what makes one that does."""
+    if obj.dapple.baked_keys:
+        return say("{reason}: bake again", reason=reason)
+    return say("{reason}: optimize again", reason=reason)
+
+
+def settings_of(obj: bpy.types.Object) -> Settings:
+    """The options that the native package takes."""
+    names = {field.name for field in fields(Settings)} - {"per_area", "classes", "density"}
+    values = {name: getattr(obj.dapple, name) for name in names}
+    return Settings(
+        **values,
+        per_area=obj.dapple.points_per_area if obj.dapple.amount == "PER_AREA" else 0.0,
+        classes=tuple(map(_class_settings, obj.dapple.classes)),
+        density=_density_settings(obj.dapple.density),
+    )
+
+
+def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
+    """What a bake takes beside them."""
+    names = [field.name for field in fields(BakeSettings)]
+    values = {name: getattr(obj.dapple, _PROPERTIES[name]) for name in names}
+    if obj.dapple.count_over_time != "KEEP_DENSITY":
+        values["fade"] = 0
+    return BakeSettings(**values)
+
+
+def follows_masks(obj: bpy.types.Object) -> bool:
+    """Whether a bake takes the density of each frame: where frames are solved one by one."""
+    settings = obj.dapple
+    if settings.count_over_time == "KEEP_DENSITY":
+        one_by_one = not len(settings.classes)
+    else:
+        one_by_one = settings.bake_smoothing == "FORWARD"
+    return bool(settings.masks_over_time == "EACH_FRAME" and one_by_one)
+
+
+def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
+    """Data-blocks by their full names: two files may have one of the same name."""
+    values = {field.name: getattr(density, field.name) for field in fields(DensitySettings)}
+    for name, kind in _DATA_BLOCKS.items():
+        if kind is Kind.MATERIALS:
+            values[name] = tuple(map(material_name, values[name]))
+        else:
+            values[name] = values[name].name_full if values[name] else ""
+    return DensitySettings(**values)
+
+
+def material_name(chosen: bpy.types.PropertyGroup) -> str:
+    """Full name of a material that was chosen; of one that was deleted, the name that it had."""
+    return str(chosen.material.name_full if chosen.material else chosen.name)
+
+
+def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
+    """How the tiles of a scatter are cut."""
+    names = [field.name for field in fields(TileSettings)]
+    return TileSettings(**{name: getattr(obj.dapple.tiles, name) for name in names})
+
+
+def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:
+    names = {field.name for field in fields(ClassSettings)} - {"most_room", "shrinks"}
+    values = {name: getattr(kind, name) for name in names} | {"most_room": _most_room(kind)}
+    values["shrinks"] = kind.radius_from_bounds and kind.fit == 1.0
+    values |= {"share": 0.0} if kind.use_count else {"count": 0}
+    return ClassSettings(**values)
+
+
+def _most_room(kind: bpy.types.PropertyGroup) -> float:
+    """That instances are fitted to before they are scaled; the radius of bounds is scaled."""
+    scale = scale_of(kind) if kind.radius_from_bounds else 1.0
+    return float(kind.radius / scale) if scale > 0.0 else 0.0
+
+
+def scale_of(kind: bpy.types.PropertyGroup) -> float:
+    """The largest scale that instances of an object type may have across."""
+    across = max(abs(kind.scale_x), abs(kind.scale_y))
+    return largest_scale(kind.scale * across, kind.scale_growth, kind.density_scale)
+
+
+def write_report(obj: bpy.types.Object, report: Report) -> None:
+    """Show these figures; before points are measured, those of the points before stay."""
+    names = [field.name for field in fields(Report)] if report.measured else _COUNTED
+    for name in names:
+        setattr(obj.dapple.report, name, getattr(report, name))
+
+
+def copy_report(source: bpy.types.PropertyGroup, target: bpy.types.PropertyGroup) -> None:
+    """Figures of one result, kept or shown again."""
+    for prop in source.bl_rna.properties:
+        if not prop.is_readonly and prop.identifier != "name":
+            setattr(target, prop.identifier, getattr(source, prop.identifier))

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What was changed in the file, and which scatters are solved from that.
+
+Handlers only note it; what a scatter depends on is looked up when it is asked for. A scatter that
+was updated because of another does not have that updated in turn: two that avoid each other would
+never rest. So what an update writes has a cause, the scatters because of which it was.
+"""
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field
+
+import bpy
+
+from ..base.artist import is_using_tool, last_operator
+from ..base.times import time_of
+from ..freshness.contents import solved_time
+from ..scatter.object import is_scatter
+from .followed import dependencies, follows, scatters
+from .painted_images import Pictures
+
+Cause = frozenset[int]  # session_uids of scatters
+NOBODY: Cause = frozenset()
+
+
+@dataclass
+class Changes:
+    """What is noted, all of it by session_uid; file data is always looked up anew."""
+
+    _touched: set[int] = field(default_factory=set)  # changed data-blocks
+    _depends: dict[int, set[Hashable]] = field(default_factory=dict)  # of a scatter
+    _images: set[int] = field(default_factory=set)  # those that are watched
+    _pictures: Pictures = field(default_factory=Pictures)
+    _relinked: bool = True  # whether that is to be looked up again
+    _doubtful: set[int] = field(default_factory=set)  # scatters that depend on something else now
+    _all_doubtful: bool = False
+    _passed_over: set[int] = field(default_factory=set)  # scatters that did not follow a change
+    _waiting: dict[int, float] = field(default_factory=dict)  # scatters and when they were solved
+    _wrote: dict[int, Cause] = field(default_factory=dict)  # what was written, and because of which
+    used_tool: bool = False  # at the last look
+    _last_operator: int = 0  # when something was noted last
+    _ended: bool = False  # what has changed something
+
+    def note(self, depsgraph: bpy.types.Depsgraph) -> bool:
+        """Note what was changed, not what is merely evaluated after it; whether anything is."""
+        for one in depsgraph.updates:
+            block = one.id.original
+            if not isinstance(block, bpy.types.Object):
+                self._touched.add(block.session_uid)
+                if isinstance(block, bpy.types.Collection | bpy.types.Scene):
+                    self._relinked = True  # other objects may be avoided, or another camera used
+            elif one.is_updated_geometry or one.is_updated_transform:
+                self._touched.add(block.session_uid)
+                if block.session_uid not in self._depends and is_scatter(block):
+                    self._relinked = True
+        before, self._last_operator = self._last_operator, last_operator()
+        self._ended |= self.any_noted() and before != self._last_operator
+        return self.any_noted()
+
+    def look_for_end(self) -> None:
+        """Note whether the artist has just put down a tool."""
+        before, self.used_tool = self.used_tool, is_using_tool()
+        self._ended |= before and not self.used_tool
+
+    def take_end(self) -> bool:
+        """Whether what has changed something has ended since the last time, so that it changes no
+        more.
+        """
+        ended, self._ended = self._ended, False
+        return ended
+
+    def any_noted(self) -> bool:
+        """Whether something was changed that was not looked at yet."""
+        return bool(self._touched)
+
+    def relink(self) -> None:
+        """What scatters depend on is to be looked up again."""
+        self._relinked = True
+
+    def doubt_all(self) -> None:
+        """An undo may have brought back anything."""
+        self._all_doubtful = self._relinked = True
+
+    def pass_over(self, uid: int) -> None:
+        """A scatter does not follow: it has its turn with its next change, whatever that is."""
+        self._passed_over.add(uid)
+
+    def turn_to(self, uid: int) -> None:
+        """A scatter is to be updated."""
+        self._passed_over.discard(uid)
+        self._waiting.pop(uid, None)
+
+    def wait_for_frame(self, obj: bpy.types.Object) -> None:
+        """A scatter was solved at another frame: only there are shapes and places compared."""
+        time = solved_time(obj)
+        if time is not None and time != time_of(bpy.context.scene):
+            self._waiting[obj.session_uid] = time
+
+    def note_frame(self, scene: bpy.types.Scene) -> bool:
+        """Note which frame is shown; whether a scatter has waited for it."""
+        shown = {uid for uid, time in self._waiting.items() if time == time_of(scene)}
+        self._passed_over |= shown
+        self._touched |= shown
+        return bool(shown)
+
+    def wrote(self, written: Mapping[int, Cause]) -> None:
+        """An update has written this."""
+        self._wrote |= written
+
+    def glance(self) -> None:
+        """Look whether watched pictures were painted: no handler notices that."""
+        if self._images:
+            watched = [one for one in bpy.data.images if one.session_uid in self._images]
+            self._touched |= self._pictures.changed(watched)
+
+    def wait(self) -> float | None:
+        """Seconds until the next glance; None where there is nothing to glance at."""
+        return self._pictures.wait() if self._images else None
+
+    def changed_scatters(self, being_written: Mapping[int, Cause]) -> list[tuple[int, Cause]]:
+        """Scatters that depend on what was noted since the last time, each with the cause."""
+        touched, self._touched = self._touched, set()
+        causes = {uid: self._wrote.pop(uid) for uid in touched & self._wrote.keys()}
+        causes |= being_written
+        found = []
+        for uid, depends in self._looked_up().items():
+            because = {causes.get(block, NOBODY) for block in touched if block in depends}
+            if self._all_doubtful or uid in self._doubtful or uid in touched & self._passed_over:
+                because.add(NOBODY)
+            found += [(uid, cause) for cause in because if uid not in cause]
+        self._all_doubtful = False
+        self._doubtful.clear()
+        return found
+
+    def known_scatters(self) -> set[int]:
+        """Those of the file."""
+        return set(self._looked_up())
+
+    def _looked_up(self) -> dict[int, set[Hashable]]:
+        """What scatters depend on; where that is something else than before, it is a change."""
+        if self._relinked:
+            self._relinked = False
+            before = self._depends
+            self._depends = {obj.session_uid: dependencies(obj) for obj in scatters()}
+            densities = [obj.dapple.density for obj in scatters() if follows(obj)]
+            self._images = {one.image.session_uid for one in densities if one.image is not None}
+            self._doubtful |= {
+                uid for uid, now in self._depends.items() if now != before.get(uid, now)
+            }
+        return self._depends

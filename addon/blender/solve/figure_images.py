@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures in the panel: drawn once, kept while the add-on is enabled, shown as icons."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import bpy.utils.previews
+
+from ...core import pictures
+from ...core.settings.values import Settings
+from ...core.solve.figures import Details, details_from
+from ...core.surface.arrays import Floats
+from ..base.panel_values import Prepared
+from ..scatter.object import settings_of
+
+_POINTS = 120  # of the pattern that settings make
+_MOST = 32  # pictures that are kept
+
+
+class _Kept:
+    """The pictures, by what they show."""
+
+    icons: Any = None
+
+
+def energy_icon(details: Details) -> int:
+    """The energy over the iterations."""
+    return _icon(("energy", details.energies), lambda: pictures.curve(details.energies))
+
+
+def gaps_icon(details: Details) -> int:
+    """How many points have their nearest at which distance."""
+    return _icon(("gaps", details.gaps), lambda: pictures.bars(details.gaps))
+
+
+def pattern_icon(settings: Settings) -> int:
+    """What these settings make of points in the plane."""
+    options = settings.sample_options() | {"seed": 1}
+    return _icon(("pattern", *options.values()), lambda: pictures.pattern(_POINTS, options))
+
+
+def _icon(key: tuple[Any, ...], draw: Callable[[], Floats]) -> int:
+    if _Kept.icons is None:
+        return 0
+    name = repr(key)
+    if name not in _Kept.icons:
+        if len(_Kept.icons) >= _MOST:
+            _Kept.icons.clear()
+        pixels = draw()
+        pixels[:, :, :3] *= pixels[:, :, 3:]  # icons are drawn as premultiplied
+        preview = _Kept.icons.new(name)
+        preview.image_size = (pixels.shape[1], pixels.shape[0])
+        preview.image_pixels_float.foreach_set(pixels.ravel().tolist())
+    icon: int = _Kept.icons[name].icon_id
+    return icon
+
+
+def register() -> None:
+    """Begin to keep pictures."""
+    _Kept.icons = bpy.utils.previews.new()
+
+
+def unregister() -> None:
+    """Forget them."""
+    if _Kept.icons is not None:
+        bpy.utils.previews.remove(_Kept.icons)
+    _Kept.icons = None
+
+
+@dataclass(frozen=True)
+class Pictured:
+    """Details of a result, as icons."""
+
+    energies: tuple[float, ...] = ()
+    energy: int = 0
+    gaps: int = 0
+
+
+def _pictured(obj: bpy.types.Object) -> Pictured:
+    details = details_from(obj.dapple.report.details)
+    return Pictured(details.energies, energy_icon(details), gaps_icon(details))
+
+
+def _pattern(obj: bpy.types.Object) -> int:
+    return pattern_icon(settings_of(obj))
+
+
+DETAILS = Prepared(_pictured, Pictured())
+PATTERN = Prepared(_pattern, 0)  # icon

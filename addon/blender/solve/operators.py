@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that take their time: thin shells around the steps of work.py and its like."""
+
+from typing import Any, ClassVar
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty
+
+from ...core.base.errors import ScatterError
+from ...core.base.steps import Steps
+from ..base.jobs import Outcome
+from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator
+from ..base.translation import operator_label, told
+from ..display import preview
+from ..surface.polls import ready
+from . import auto_update
+from .optimize import optimize_steps, rebind_steps
+
+
+def _asks(operator: Any, context: bpy.types.Context) -> bool:
+    """Whether the artist, who has pressed a button, is asked before a bake is taken away."""
+    if not context.object.dapple.baked_keys or operator.drop_keys or bpy.app.background:
+        return False
+    bpy.ops.dapple.drop_keys("INVOKE_DEFAULT", action=operator._action)
+    return True  # it starts again once the user has confirmed
+
+
+class _DropsKeys(StepsOperator):
+    """Takes a bake away."""
+
+    _action: ClassVar[str]
+    drop_keys: BoolProperty(
+        name="Delete Keyframes",
+        description="Delete baked keyframes without asking",
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+
+
+class DAPPLE_OT_drop_keys(AllOrNothing, bpy.types.Operator):
+    """Continue with the operation that deletes the baked keyframes"""
+
+    bl_idname = "dapple.drop_keys"
+    bl_label = "Delete Baked Keyframes"
+    bl_options: ClassVar = {"INTERNAL"}
+
+    action: EnumProperty(
+        name="Action",
+        description="What is done once the keyframes are deleted",
+        items=[
+            ("OPTIMIZE", "Optimize", "Optimize the points again"),
+            ("REBIND", "Reattach", "Attach the points to the nearest places"),
+        ],
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        settings = context.object.dapple
+        last = settings.baked_start + settings.baked_frames - 1
+        return context.window_manager.invoke_confirm(
+            self,
+            event,
+            title=told("Delete the bake?"),
+            message=told(
+                "The keyframes of frames {first} to {last} will be deleted",
+                first=settings.baked_start,
+                last=last,
+            ),
+            confirm_text=operator_label(self.bl_label),
+            icon="WARNING",
+        )
+
+    def work(self, context: bpy.types.Context) -> None:
+        operator = getattr(bpy.ops.dapple, self.action.lower())
+        try:
+            operator("INVOKE_DEFAULT", drop_keys=True)
+        except RuntimeError as error:  # what it has reported
+            raise ScatterError(str(error).removeprefix("Error: ").strip()) from error
+
+
+class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
+    """Distribute the points evenly on the surface in the current frame. Baked keyframes are
+    deleted"""
+
+    bl_idname = "dapple.optimize"
+    bl_label = "Optimize"
+    bl_options = OPTIONS
+    _action = "OPTIMIZE"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Leave it to the background, which makes the undo step once the points are there."""
+        if bpy.app.background:
+            return self.execute(context)
+        if not _asks(self, context):
+            auto_update.ask(context.object)
+        return {"CANCELLED"}
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        auto_update.forget(context.object)
+        return StepsOperator.execute(self, context)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return optimize_steps(context)
+
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        preview.solved_anew(obj)
+        return Outcome(obj)
+
+
+class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
+    """Attach the points to the nearest places of a surface whose faces changed. Go to the frame
+    and pose in which they were optimized first. Baked keyframes are deleted"""
+
+    bl_idname = "dapple.rebind"
+    bl_label = "Reattach"
+    bl_options = OPTIONS
+    _action = "REBIND"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        if _asks(self, context):
+            return {"CANCELLED"}
+        return StepsOperator.invoke(self, context, event)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return rebind_steps(context)
+
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        preview.solved_anew(obj)
+        return Outcome(obj)
+
+
+CLASSES = (
+    DAPPLE_OT_drop_keys,
+    DAPPLE_OT_optimize,
+    DAPPLE_OT_rebind,
+)

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Optimize and Reattach, as steps (core/base/steps.py): read, let the worker solve, check, write.
+
+Between two steps the artist may delete anything, so objects are found again by their uid.
+"""
+
+import bpy
+
+from ...core.base.steps import Steps, Task
+from ...core.solve.clearance import rooms
+from ...core.solve.solve import nearest_binding, scatter
+from ..base.object_handles import Held
+from ..freshness.concurrent_edits import check_points_kept, points_now
+from ..scatter.object import settings_of
+from ..scatter.points import columns_with_own_ids, locked_points, places_of
+from ..surface.bound import rest_of
+from ..surface.joining import surface_for
+from ..surface.reading import as_read, read
+from ..surface.rest_position import kind_of_binding, rest_position
+from .session_solutions import write_reattached, write_solved
+
+
+def optimize_steps(context: bpy.types.Context) -> Steps:
+    """Scatter the active scatter object's points anew."""
+    held = Held(context.object)
+    settings, bind_to = settings_of(context.object), context.object.dapple.bind_to
+    with surface_for(context.object) as surface:
+        kind = kind_of_binding(surface.get(), context, bind_to)
+        arrays = read(surface.get(), settings, context.object)
+        locked = locked_points(context.object)
+        solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
+        obj = held.get()
+        with as_read(arrays, surface, settings, obj), rest_position(surface, kind):
+            rest = rest_of(surface.get(), arrays, solved.binding, kind)
+            write_solved(obj, arrays, solved, rest)
+    return obj
+
+
+def rebind_steps(context: bpy.types.Context) -> Steps:
+    """Bind the active scatter to the places of its surface that are nearest to its points."""
+    held = Held(context.object)
+    with surface_for(context.object) as surface:
+        kind = kind_of_binding(surface.get(), context, context.object.dapple.bind_to)
+        before, arrays = points_now(context.object), read(surface.get())
+        points, columns = places_of(context.object), columns_with_own_ids(context.object)
+        settings = settings_of(context.object)
+        binding = yield Task(lambda _: nearest_binding(points, arrays))
+        columns["dapple_room"] = rooms(points, columns["dapple_class"], settings)
+        obj = held.get()
+        check_points_kept(obj, before, "attached")
+        with as_read(arrays, surface), rest_position(surface, kind):
+            rest = rest_of(surface.get(), arrays, binding, kind)
+            write_reattached(obj, arrays, binding, columns, rest)
+    return obj

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel says of a result: its figures, and whether it still fits."""
+
+import bpy
+
+from ..base.labels import lines_of
+from ..base.translation import counted, told
+from ..freshness import freshness
+from . import auto_update
+from .cancel_operators import DAPPLE_OT_cancel_update
+
+_NOTICED = 0.02  # of an area variation, that is worth a line ...
+_SHARE = 0.3  # ... if it is that much of the whole
+
+
+def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
+    """The last result in a line, and what keeps it from being right: (text, icon)."""
+    if auto_update.progress(obj) is not None:  # a bar says the rest
+        return [(_result(obj), "NONE")]
+    why = auto_update.trouble(obj)
+    trouble = [(told("Not updated: {why}", why=why), "ERROR")] if why else []
+    fit = _fit(_result(obj), freshness.findings(obj, context))
+    return [*fit, *_doubled(obj.dapple.report), *trouble]
+
+
+def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
+    """What else is known of the last result: (text, icon)."""
+    report = obj.dapple.report
+    if not report.measured:
+        return [(_effort(obj), "NONE")]
+    variation, least = 100 * report.capacity_variation, 100 * report.alpha_min
+    lines = [(told("Area variation {spread:.2g} %", spread=variation), "NONE")]
+    if _has_spacing(report):
+        lines.append((told("Smallest spacing {least:.0f} % of ideal", least=least), "NONE"))
+    lines.append((_effort(obj), "NONE"))
+    if report.thin_share > 0.0:
+        thin = 100 * report.thin_share
+        text = told("{thin:.3g} % of the points are on parts thinner than the spacing", thin=thin)
+        lines.append((text, "INFO"))
+    if report.whole_count_variation > max(_NOTICED, _SHARE * report.capacity_variation):
+        whole = 100 * report.whole_count_variation
+        text = told("Separate parts have whole numbers of points: {whole:.2g} %", whole=whole)
+        lines.append((text, "INFO"))
+    if not report.converged and not obj.dapple.baked_keys:
+        lines.append((_shortfall(obj), "INFO"))
+    return lines
+
+
+def _has_spacing(report: bpy.types.PropertyGroup) -> bool:
+    """Whether the ideal spacing means something: along a wire points are farther apart."""
+    return bool(0.0 < report.alpha_mean <= 1.0) or report.count < 2
+
+
+def _doubled(report: bpy.types.PropertyGroup) -> list[tuple[str, str]]:
+    """How many faces of the surface lie on others: (text, icon)."""
+    count = report.doubled_faces
+    if not count:
+        return []
+    text = counted(count, "{count} doubled face counts once", "{count:,} doubled faces count once")
+    return [(text, "INFO")]
+
+
+def _result(obj: bpy.types.Object) -> str:
+    """How many instances there are, and how evenly they are spread."""
+    report = obj.dapple.report
+    instances = counted(report.count, "{count} instance", "{count:,} instances")
+    if not report.measured and auto_update.progress(obj) is None:
+        return told("{instances}, not measured: optimize again", instances=instances)
+    if not _has_spacing(report):
+        spread = 100 * report.capacity_variation
+        return told(
+            "{instances}, area variation {spread:.2g} %", instances=instances, spread=spread
+        )
+    mean = 100 * report.alpha_mean
+    return told("{instances}, spacing {mean:.0f} % of ideal", instances=instances, mean=mean)
+
+
+def draw_result(
+    layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object
+) -> None:
+    """What is to be said, and how far an update is, with a cross to cancel it."""
+    for text, icon in result_lines(obj, context):
+        lines_of(layout, text, icon)
+    share = auto_update.progress(obj)
+    if share is None:
+        return
+    row = layout.row(align=True)
+    if auto_update.is_asked(obj):
+        text = told("Optimizing: {share:.0%}", share=share)
+    else:
+        text = told("Updating: {share:.0%}", share=share)
+    row.progress(factor=share, text=text)
+    row.operator(DAPPLE_OT_cancel_update.bl_idname, text="", icon="X")
+
+
+def _fit(result: str, found: freshness.Findings | None) -> list[tuple[str, str]]:
+    """A result, and whether it fits, as far as that is known."""
+    if found is None:
+        return [(told("{result}, not compared with the scene yet", result=result), "TIME")]
+    verdict = found.verdict
+    if verdict.reason:
+        out = told("Out of date: {reason}", reason=verdict.reason)
+        return [(result, "NONE"), (out, "ERROR")]
+    if verdict.note:
+        return [(result, "NONE"), (verdict.note, "INFO")]
+    return [(told("{result}, up to date", result=result), "CHECKMARK")]
+
+
+def _shortfall(obj: bpy.types.Object) -> str:
+    """Why the result is not at the tolerance."""
+    if obj.dapple.report.evaluations >= obj.dapple.max_evaluations:
+        return told("Tolerance not reached: increase Max Iterations")
+    return told("Tolerance not reached: no step improves the result")
+
+
+def _effort(obj: bpy.types.Object) -> str:
+    time = _time(obj.dapple.report.milliseconds)
+    if obj.dapple.baked_keys:
+        return told("Solved in {time} per frame", time=time)
+    return told("Solved in {time}", time=time)
+
+
+def _time(milliseconds: float) -> str:
+    return f"{milliseconds:.0f} ms" if milliseconds < 1000.0 else f"{milliseconds / 1000.0:.1f} s"
+
+
+def baked_line(obj: bpy.types.Object) -> str:
+    """Which frames are baked, and what the frames without a key lose."""
+    settings, report = obj.dapple, obj.dapple.report
+    last = settings.baked_start + settings.baked_frames - 1
+    line = told("Baked: frames {first} to {last}", first=settings.baked_start, last=last)
+    if settings.baked_keys == settings.baked_frames:
+        return line
+    return told(
+        "{baked}, {keys} keyframes; between them points are off by {mean:.2g} spacings (at "
+        "most {most:.2g})",
+        baked=line,
+        keys=settings.baked_keys,
+        mean=report.key_error_mean,
+        most=report.key_error_max,
+    )

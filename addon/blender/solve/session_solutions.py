@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solutions that the session remembers: what has changed since then is found by comparing them.
+
+They are kept by the points that they belong to, so that an undo finds the previous
+ones. Files do not have them.
+"""
+
+from collections import OrderedDict
+from typing import Any
+
+import bpy
+
+from ...core.solve.incremental import Before, as_placed
+from ...core.solve.solve import Scattered, Solved
+from ...core.surface.arrays import Ints, SurfaceArrays
+from ...core.surface.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, Binding, Columns, binding_from
+from ...core.surface.rest import AtRest
+from ..base.all_or_nothing import all_or_nothing
+from ..base.handlers import Handlers
+from ..scatter.hand_marks import touched_places
+from ..scatter.points import own_columns, point_columns_of, points_digest
+from ..scatter.store import write_binding, write_own_ids, write_scattered
+
+_MOST = 4  # as each has a surface with all that is known of it
+
+_known: OrderedDict[str, tuple[Solved, Ints]] = OrderedDict()  # with the ids of the points
+
+
+def write_solved(
+    obj: bpy.types.Object, arrays: SurfaceArrays, scattered: Scattered, rest: AtRest | None = None
+) -> None:
+    """Store a result, and remember how it was solved."""
+    with all_or_nothing(bpy.context, [obj]):
+        write_scattered(obj, arrays, scattered, rest)
+    if scattered.solved is not None:
+        _remember(obj.dapple.solved_points, scattered.solved, scattered.columns["id"])
+
+
+def write_reattached(
+    obj: bpy.types.Object,
+    arrays: SurfaceArrays,
+    binding: Binding,
+    columns: Columns,
+    rest: AtRest | None,
+) -> None:
+    """Store where points sit that are attached again, with what columns_with_own_ids returned."""
+    with all_or_nothing(bpy.context, [obj]):
+        write_binding(obj, arrays, binding, rest)
+        write_own_ids(obj, columns)
+
+
+def known_as_placed(obj: bpy.types.Object, before: str, binding: Binding) -> None:
+    """Have what is known of a solution be that of the same points once some were placed by hand;
+    before is the digest of the points as they were solved.
+    """
+    if before not in _known:
+        return
+    (solved, ids), columns = _known[before], point_columns_of(obj)
+    if obj.dapple.surface_topology.split() != [solved.arrays.topology]:
+        return
+    placed = as_placed(solved, ids, binding, columns["id"], columns["dapple_class"])
+    _remember(points_digest(obj), placed, columns["id"])
+
+
+def _remember(points: str, solved: Solved, ids: Ints) -> None:
+    _known[points] = solved, ids
+    _known.move_to_end(points)
+    while len(_known) > _MOST:
+        _known.popitem(last=False)
+
+
+def before_of(obj: bpy.types.Object) -> Before:
+    """The points of a scatter as they are stored, with their solution if it is remembered."""
+    columns = own_columns(obj, {**POINT_ATTRIBUTES, "dapple_rank": "FLOAT"})
+    binding = binding_from(own_columns(obj, ROW_ATTRIBUTES))
+    solved, _ = _known.get(points_digest(obj), (None, None))
+    return Before(binding, columns, solved, touched_places(obj))
+
+
+def _forget(*_arguments: Any) -> None:
+    _known.clear()
+
+
+_HANDLERS = Handlers(load_pre=_forget)
+
+
+def register() -> None:
+    """Forget what another file has."""
+    _HANDLERS.watch()
+
+
+def unregister() -> None:
+    """Remember nothing."""
+    _forget()
+    _HANDLERS.unwatch()

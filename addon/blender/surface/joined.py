@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Joined surfaces: objects that have the meshes of several others as one, by a node group.
+
+A scatter on several objects has such a surface, so that all else goes on knowing one object. It is
+in no collection: its parts are seen. Its list of parts is what the node group is built from.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ...core.base.errors import ScatterError
+from ...nodes.joined_surface import KEY, Joined, Offset, build
+from ..base.all_or_nothing import once_done
+from ..base.object_handles import Held
+from ..base.quiet import quiet
+
+_CELLS = 8  # of rest positions in a row
+SUFFIX = " Surface"  # of the names of joined surfaces
+_GAP = 2.0  # sides of a part between two of them
+_TYPES = {"MESH", "CURVE", "SURFACE", "FONT"}
+Rest = tuple[float, Offset]  # scale and shift of rest positions
+
+
+class Piece(NamedTuple):
+    """A part, and what instances its collection, from the outermost on."""
+
+    object: bpy.types.Object
+    path: tuple[bpy.types.Object, ...] = ()
+
+
+def is_joined(obj: bpy.types.Object | None) -> bool:
+    """Whether an object joins the meshes of others."""
+    return obj is not None and len(obj.dapple.joined.entries) > 0
+
+
+def can_be_joined(obj: bpy.types.Object) -> bool:
+    """Whether an object is of a type whose mesh nodes get; metaballs are not."""
+    return obj.type in _TYPES and not is_joined(obj)
+
+
+def pieces_of(surface: bpy.types.Object) -> list[Piece]:
+    """The parts of a joined surface in their order, without those that are gone."""
+    return [piece for piece in _listed(surface.dapple.joined) if piece is not None]
+
+
+def has_lost_some(surface: bpy.types.Object) -> bool:
+    """Whether parts of a joined surface were deleted from the file."""
+    return None in _listed(surface.dapple.joined)
+
+
+def _listed(joined: bpy.types.PropertyGroup) -> list[Piece | None]:
+    """The parts in their order; None: it, or what instances it, is gone."""
+    paths: list[tuple[bpy.types.Object | None, ...]] = []
+    found: list[Piece | None] = []
+    for entry in joined.entries:
+        around = paths[entry.inside] if entry.inside >= 0 else ()
+        paths.append((*around, entry.object))
+        if not entry.instances:
+            found.append(None if None in paths[-1] else Piece(entry.object, around))
+    return found
+
+
+def parts_of(surface: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects whose meshes are a surface: those that it joins, or itself."""
+    if not is_joined(surface):
+        return [surface]
+    return list(dict.fromkeys(piece.object for piece in pieces_of(surface)))
+
+
+def objects_of(surface: bpy.types.Object) -> list[bpy.types.Object]:
+    """What a joined surface consists of, with what instances it."""
+    found = (obj for piece in pieces_of(surface) for obj in (*piece.path, piece.object))
+    return list(dict.fromkeys(found))
+
+
+def write_pieces(surface: bpy.types.Object, pieces: list[Piece]) -> None:
+    """Have a joined surface consist of these; what it had keeps its rest positions."""
+    with quiet():
+        joined = surface.dapple.joined
+        known = _rests(joined)
+        for piece in pieces:
+            if piece not in known:
+                known[piece] = _rest(piece.object, joined.cells)
+                joined.cells += 1
+        _write_entries(joined, pieces, known)
+        _write_group(surface)
+
+
+def copied_with(
+    surface: bpy.types.Object, copies: dict[bpy.types.Object, bpy.types.Object]
+) -> bpy.types.Object:
+    """A joined surface of copies of the parts, each at the rest positions of what it is a copy of;
+    of a collection it is no more.
+    """
+    copy = surface.copy()
+    copy.data = surface.data.copy()
+    joined = copy.dapple.joined
+    joined.collection = None
+    for entry in joined.entries:
+        entry.object = copies.get(entry.object, entry.object)
+    _modifier(copy).node_group = None
+    first = joined.entries[0].object
+    copy.name = copy.data.name = f"{first.name if first else surface.name}{SUFFIX}"
+    _write_group(copy)
+    return copy
+
+
+@contextmanager
+def pieces_kept(surface: Held) -> Iterator[None]:
+    """Set the parts of a joined surface back where what is done inside fails or is canceled."""
+    joined = surface.get().dapple.joined
+    before, rests = pieces_of(surface.get()), _rests(joined)
+    try:
+        yield
+    except BaseException:
+        with suppress(ScatterError, ReferenceError):  # the artist may have deleted any of them
+            _put_back(surface.get(), before, rests)
+        raise
+
+
+def _put_back(surface: bpy.types.Object, before: list[Piece], rests: dict[Piece, Rest]) -> None:
+    if pieces_of(surface) != before:
+        with quiet():
+            _write_entries(surface.dapple.joined, before, rests)
+            _write_group(surface)
+
+
+def _rests(joined: bpy.types.PropertyGroup) -> dict[Piece, Rest]:
+    own = [one for one in joined.entries if not one.instances]
+    return {
+        piece: (one.rest_scale, tuple(one.rest_shift))
+        for piece, one in zip(_listed(joined), own, strict=True)
+        if piece is not None
+    }
+
+
+def _rest(obj: bpy.types.Object, cell: int) -> Rest:
+    """Scale and shift that bring the rest positions of a part into a cell of its own."""
+    low, high = _extent(obj)
+    scale = 1.0 / max(float(np.max(high - low)), 1e-6)
+    place = np.array([cell % _CELLS, cell // _CELLS % _CELLS, cell // _CELLS**2], dtype=np.float64)
+    shift = _GAP * place - 0.5 * scale * (low + high)
+    return scale, tuple(shift.tolist())
+
+
+def _extent(obj: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
+    if obj.type != "MESH" or not len(obj.data.vertices):
+        corners = np.array(obj.bound_box)
+        return corners.min(axis=0), corners.max(axis=0)
+    places = np.empty((len(obj.data.vertices), 3), dtype=np.float32)
+    obj.data.vertices.foreach_get("co", places.ravel())
+    return places.min(axis=0).astype(np.float64), places.max(axis=0).astype(np.float64)
+
+
+def _write_entries(
+    joined: bpy.types.PropertyGroup,
+    pieces: list[Piece],
+    rests: dict[Piece, Rest],
+) -> None:
+    joined.entries.clear()
+    known: dict[tuple[bpy.types.Object, ...], int] = {(): -1}  # entries that instance, by path
+    for piece in pieces:
+        for depth in range(1, len(piece.path) + 1):
+            path = piece.path[:depth]
+            if path not in known:
+                _add(joined, path[-1], known[path[:-1]]).instances = True
+                known[path] = len(joined.entries) - 1
+        entry = _add(joined, piece.object, known[piece.path])
+        entry.rest_scale, entry.rest_shift = rests[piece]
+
+
+def _add(
+    joined: bpy.types.PropertyGroup, obj: bpy.types.Object, inside: int
+) -> bpy.types.PropertyGroup:
+    entry = joined.entries.add()
+    entry.object, entry.inside = obj, inside
+    return entry
+
+
+def _write_group(surface: bpy.types.Object) -> None:
+    """Build the node group anew, for this surface alone."""
+    entries = surface.dapple.joined.entries
+    parts = [
+        Joined(one.object, one.inside, one.instances, one.rest_scale, tuple(one.rest_shift))
+        for one in entries
+    ]
+    modifier = _modifier(surface)
+    before = modifier.node_group
+    modifier.node_group = build(surface.name, parts)
+    if before is not None:
+        once_done(lambda: _remove(before))
+
+
+def _remove(group: bpy.types.NodeTree) -> None:
+    with suppress(ReferenceError):  # it is gone
+        if not group.users:
+            bpy.data.node_groups.remove(group)
+
+
+def _modifier(surface: bpy.types.Object) -> bpy.types.NodesModifier:
+    for modifier in surface.modifiers:
+        if modifier.type == "NODES" and (not modifier.node_group or KEY in modifier.node_group):
+            return modifier
+    return surface.modifiers.new("Join", "NODES")

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The surface that Add scatters over: an object, or several as one; and their parts, kept current.
+
+A joined surface is in no collection: its parts are seen, and it goes with its last scatter. Blender
+evaluates it for the scatters that are shown.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+import bpy
+
+from ...core.base.errors import ScatterError
+from ...nodes import get_input, has_input
+from ..base.object_handles import Held
+from ..base.quiet import quiet
+from ..scatter.library import open_collections, read_only
+from ..scatter.modifier import scatter_modifier
+from ..scatter.object import is_scatter, is_surface, surface_of
+from .joined import SUFFIX, Piece, is_joined, pieces_kept, pieces_of, write_pieces
+from .members import is_member, pieces_in, pieces_of_collection, wanted
+
+
+def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """What Add scatters over: the selected objects, if the active one is among them, else that."""
+    active = context.object
+    if active is None or is_scatter(active):
+        return []
+    if not active.select_get():
+        selected = [active]
+    else:
+        selected = [active, *(obj for obj in context.selected_objects if obj != active)]
+    return [obj for obj in selected if is_surface(obj) or is_member(obj)]
+
+
+@contextmanager
+def surface_over(
+    context: bpy.types.Context, collection: bpy.types.Collection | None = None
+) -> Iterator[Held]:
+    """The surface of what is chosen, or of a collection; gone if it is new and Add fails."""
+    objects = [] if collection else chosen(context)
+    if len(objects) == 1 and is_surface(objects[0]):
+        yield Held(objects[0])
+        return
+    pieces = _pieces(objects, collection)
+    known = _known(pieces, collection)
+    if known is not None:
+        with renewed(known):
+            yield known
+        return
+    with _new(pieces, collection) as new, evaluated(new):
+        yield new
+
+
+def selected_beside(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """What is selected beside the active scatter and can be its surface, or a part of it."""
+    return [
+        obj
+        for obj in context.selected_objects
+        if obj != context.object and not is_scatter(obj) and (is_surface(obj) or is_member(obj))
+    ]
+
+
+def put_on_selected(context: bpy.types.Context) -> None:
+    """Have the active scatter's surface be what is selected beside it; its points are out of date.
+
+    Parts that the surface has already stay in their order.
+    """
+    scatter, objects = context.object, selected_beside(context)
+    if len(objects) == 1 and is_surface(objects[0]):
+        scatter.dapple.surface = objects[0]
+        return
+    pieces = _pieces(objects, None)
+    before = scatter.dapple.surface
+    known = pieces_of(before) if before is not None else []
+    ordered = [piece for piece in known if piece in pieces]
+    ordered += [piece for piece in pieces if piece not in known]
+    found = _known(pieces, None)
+    if found is None:
+        with _new(ordered, None) as found:
+            scatter.dapple.surface = found.get()
+    else:
+        scatter.dapple.surface = found.get()
+
+
+@contextmanager
+def surface_for(scatter: bpy.types.Object) -> Iterator[Held]:
+    """The surface of a scatter that is solved or attached; a joined one is renewed."""
+    surface = Held(surface_of(scatter))
+    with renewed(surface):
+        yield surface
+
+
+@contextmanager
+def renewed(surface: Held) -> Iterator[None]:
+    """Have a joined surface consist of what it is to, also afterward if nothing fails."""
+    obj = surface.get()
+    if not is_joined(obj) or read_only(obj):
+        yield
+        return
+    with pieces_kept(surface), evaluated(surface):
+        pieces = wanted(obj)
+        if not pieces:
+            raise ScatterError(f"No part of surface '{obj.name}' is left: choose another surface")
+        if pieces != pieces_of(obj):
+            write_pieces(obj, pieces)
+        yield
+
+
+def _pieces(
+    objects: list[bpy.types.Object], collection: bpy.types.Collection | None
+) -> list[Piece]:
+    other = next((obj for obj in objects if not is_member(obj)), None)
+    if other is not None:
+        raise ScatterError(
+            f"'{other.name}' is a {other.type.lower()}, which cannot be one surface with other "
+            "objects: scatter over it alone"
+        )
+    pieces = pieces_of_collection(collection) if collection else pieces_in(objects)
+    if not pieces:
+        name = collection.name if collection else objects[0].name
+        raise ScatterError(f"'{name}' has no mesh objects that are shown and rendered")
+    return pieces
+
+
+def _known(pieces: list[Piece], collection: bpy.types.Collection | None) -> Held | None:
+    """The joined surface that there is of these already."""
+    for obj in bpy.data.objects:
+        ours = is_joined(obj) and not read_only(obj) and obj.dapple.joined.collection == collection
+        if ours and (collection is not None or set(pieces_of(obj)) == set(pieces)):
+            return Held(obj)
+    return None
+
+
+@contextmanager
+def _new(pieces: list[Piece], collection: bpy.types.Collection | None) -> Iterator[Held]:
+    groups = set(bpy.data.node_groups)
+    named = collection or (*pieces[0].path, pieces[0].object)[0]
+    name = f"{named.name}{SUFFIX}"
+    obj = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    try:
+        obj.dapple.joined.collection = collection
+        obj.hide_viewport = obj.hide_render = True
+        obj.display_type = "BOUNDS"
+        write_pieces(obj, pieces)
+        yield Held(obj)
+    except BaseException:
+        bpy.data.meshes.remove(obj.data)  # and the object with it
+        bpy.data.batch_remove(set(bpy.data.node_groups) - groups)
+        raise
+
+
+def _is_played(surface: bpy.types.Object) -> bool:
+    """Whether a scatter that is shown has Blender evaluate a joined surface."""
+    shown = (obj for obj in bpy.context.view_layer.objects if is_scatter(obj) and obj.visible_get())
+    return any(_plays(obj, surface) for obj in shown)
+
+
+def _plays(scatter: bpy.types.Object, surface: bpy.types.Object) -> bool:
+    modifier = scatter_modifier(scatter)
+    if modifier is None or not modifier.show_viewport or not has_input(modifier, "Surface"):
+        return False
+    return bool(get_input(modifier, "Surface") == surface)
+
+
+@contextmanager
+def evaluated(surface: Held) -> Iterator[None]:
+    """Have a joined surface be evaluated inside, even while no scatter on it is shown."""
+    obj, scene = surface.get(), bpy.context.scene
+    if _is_played(obj):
+        yield
+        return
+    with quiet():
+        scene.collection.objects.link(obj)
+        obj.hide_viewport = False
+    try:
+        yield
+    finally:
+        with suppress(ScatterError, ReferenceError, RuntimeError):  # it was removed
+            surface.get().hide_viewport = True
+            scene.collection.objects.unlink(surface.get())
+
+
+def home_of(
+    surface: bpy.types.Object, context: bpy.types.Context
+) -> tuple[bpy.types.Collection, str]:
+    """The collection for what lies on a surface, so that both are shown and hidden together, and
+    what it is named after.
+    """
+    if not is_joined(surface):
+        return _open_collection(surface, context), surface.name
+    return _open_collection(_first(surface), context, surface.dapple.joined.collection), (
+        surface.name.removesuffix(SUFFIX)
+    )
+
+
+def _open_collection(
+    obj: bpy.types.Object,
+    context: bpy.types.Context,
+    wished: bpy.types.Collection | None = None,
+) -> bpy.types.Collection:
+    """One of the scene that takes another object, if possible the wished one or an object's."""
+    found = open_collections(obj)
+    if wished is not None and not (wished.library or wished.override_library):
+        found.insert(0, wished)
+    inside = set(context.scene.collection.children_recursive) | {context.scene.collection}
+    return next((one for one in found if one in inside), context.scene.collection)
+
+
+def _first(surface: bpy.types.Object) -> bpy.types.Object:
+    pieces = pieces_of(surface)
+    return (*pieces[0].path, pieces[0].object)[0] if pieces else surface

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether an operator can run on the active object, and the message that says why not."""
+
+import bpy
+
+from ...core.base.native import missing
+from ..base import jobs
+from ..base.translation import operator_label, told
+from ..scatter.library import read_only
+from ..scatter.object import is_scatter
+from .joining import chosen
+
+
+def free(cls: type[bpy.types.Operator]) -> bool:
+    """Whether long work can begin: the package is there, and no other work goes on."""
+    work = jobs.current()
+    if missing():
+        cls.poll_message_set(missing())
+    elif work is not None:
+        name = operator_label(work.label)
+        cls.poll_message_set(told("'{work}' is still going on: cancel it, or wait", work=name))
+    else:
+        return True
+    return False
+
+
+def ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bool) -> bool:
+    """Whether the active object fits: a scatter that is writable, or a surface."""
+    obj = context.object
+    if not free(cls):
+        return False
+    if context.mode != "OBJECT" or obj is None:
+        cls.poll_message_set(told("Needs an active object in Object Mode"))
+    elif scatter:
+        return writable(cls, context)
+    elif is_scatter(obj):
+        cls.poll_message_set(told("The active object is a scatter, not a surface"))
+    elif not chosen(context):
+        cls.poll_message_set(told("Needs an active mesh, curve, text or metaball object"))
+    else:
+        return True
+    return False
+
+
+def writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the active object is a scatter that keeps what is written to it."""
+    if not is_scatter(context.object):
+        cls.poll_message_set(told("The active object is not a Dapple scatter"))
+    elif read_only(context.object):
+        cls.poll_message_set(read_only(context.object))
+    else:
+        return True
+    return False
+
+
+def editable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the active object is a scatter whose points may be placed."""
+    if not ready(cls, context, scatter=True):
+        return False
+    if context.object.dapple.baked_keys:
+        cls.poll_message_set(told("The scatter is baked: clear the bake to edit points"))
+        return False
+    return True
+
+
+def may_be_listed(cls: type[bpy.types.Operator], context: bpy.types.Context, why: str) -> bool:
+    """Whether the active object is a scatter whose lists can be edited; else it is said why."""
+    if not writable(cls, context):
+        return False
+    if context.object.override_library:
+        cls.poll_message_set(why)
+    return not context.object.override_library

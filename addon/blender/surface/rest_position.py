@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What points are bound to, faces or the rest position, and Rest Position of the surface.
+
+Metaballs have no rest position and other faces in every frame: their points are bound to places in
+the object's own space, as of the frame for which they were solved.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+
+from ...core.base.errors import ScatterError
+from ..base.object_handles import Held
+from ..base.translation import english
+from ..scatter.library import read_only
+from ..scatter.object import is_fluid
+from .joined import parts_of
+from .surface_mesh import evaluated_mesh
+from .topology import check_render_topology, render_mismatch
+
+
+def kind_of_binding(obj: bpy.types.Object, context: bpy.types.Context, bind_to: str) -> str:
+    """FACES or REST, as bind_to says for a surface; ScatterError where that cannot be."""
+    if is_fluid(obj):
+        return _kind_of_fluid(obj, bind_to)
+    if bind_to == "AUTO":
+        other = obj.type == "MESH" and render_mismatch(obj, context)
+        bind_to = "REST" if other else "FACES"
+    if bind_to == "FACES":
+        check_render_topology(obj, context)
+    elif obj.type != "MESH":
+        raise ScatterError(
+            f"Surface '{obj.name}' is not a mesh and has no rest position: set Attach To to Faces"
+        )
+    else:
+        _check_rest_can_be_on(obj)
+    return bind_to
+
+
+def _check_rest_can_be_on(obj: bpy.types.Object) -> None:
+    for part in _with_rest_position(obj):
+        if read_only(part) and not part.add_rest_position_attribute:
+            reason = read_only(part, english)
+            raise ScatterError(f"Rest Position of the surface is off, and {reason}")
+
+
+def _with_rest_position(surface: bpy.types.Object) -> list[bpy.types.Object]:
+    """What a surface consists of that has such a switch which counts."""
+    return [part for part in parts_of(surface) if part.type == "MESH"]
+
+
+def _kind_of_fluid(obj: bpy.types.Object, bind_to: str) -> str:
+    if bind_to == "FACES":
+        raise ScatterError(
+            f"Surface '{obj.name}' is a metaball, whose faces change when it moves and in "
+            "renders: set Attach To to Automatic"
+        )
+    with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
+        if not len(mesh.polygons):
+            raise ScatterError(
+                f"Metaball '{obj.name}' has no surface of its own: scatter over the first one of "
+                "its family, the name without a number"
+            )
+    return "REST"
+
+
+@contextmanager
+def rest_position(surface: Held, kind: str) -> Iterator[None]:
+    """Have Rest Position of a surface on inside, and from then on if nothing fails."""
+    with rest_position_kept(surface):
+        for part in _with_rest_position(surface.get()) if kind == "REST" else ():
+            if not part.add_rest_position_attribute:
+                part.add_rest_position_attribute = True
+        yield
+
+
+@contextmanager
+def rest_position_kept(surface: Held) -> Iterator[None]:
+    """Set Rest Position back where what is done inside fails or is canceled."""
+    before = [
+        (Held(part), part.add_rest_position_attribute)
+        for part in _with_rest_position(surface.get())
+    ]
+    try:
+        yield
+    except BaseException:
+        for part, on in before:
+            _put_back(part, on)
+        raise
+
+
+def _put_back(surface: Held, before: bool) -> None:
+    try:
+        obj = surface.get()
+    except ScatterError:  # it was removed
+        return
+    if obj.add_rest_position_attribute != before:
+        obj.add_rest_position_attribute = before

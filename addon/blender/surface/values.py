@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Values of a surface: attributes of vertices, faces and corners, colors, vertex groups."""
+
+from typing import Any
+
+import bmesh
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.base.errors import ScatterError
+from ...core.settings.values import MATERIAL
+from ...core.surface.arrays import Floats
+from ...core.surface.mesh_snapshot import RawValues
+from .joined import is_joined, parts_of
+
+GROUP_PART = 5_000  # vertices
+
+_FIELDS = {"FLOAT": "value", "INT": "value", "INT8": "value", "BOOLEAN": "value"}
+# Blender hands out numbers of its own type as one block of memory.
+_NUMPY = {"INT": np.int32, "INT8": np.int8, "BOOLEAN": np.bool_}
+_COLORS = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
+_DOMAINS = {"POINT", "FACE", "CORNER"}
+
+
+def weight_names(obj: bpy.types.Object) -> list[str]:
+    """What can be read from an object's mesh as it is before its modifiers."""
+    parts = parts_of(obj)
+    groups = [group.name for part in parts for group in part.vertex_groups]
+    return list(dict.fromkeys(groups + [name for part in parts for name in _attributes(part)]))
+
+
+def _attributes(obj: bpy.types.Object) -> list[str]:
+    kinds = _FIELDS.keys() | _COLORS.keys()
+    return [
+        one.name
+        for one in getattr(obj.data, "attributes", ())  # curves and the like have none
+        if one.data_type in kinds and one.domain in _DOMAINS and not one.is_internal
+        if one.name != MATERIAL
+    ]
+
+
+def read_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawValues:
+    """Values of the evaluated mesh of an object, where they are stored.
+
+    Raises:
+        ScatterError: there is no such attribute or vertex group, or it is no density.
+    """
+    raw = raw_values(obj, mesh, name)
+    if raw is None:
+        weights = all_group_weights(mesh, group_of(obj, name))
+        raw = RawValues(name, "POINT", np.asarray(weights, dtype=np.float32))
+    raw.numbers(obj.name)
+    return raw
+
+
+def raw_values(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawValues | None:
+    """Values of an attribute as they are stored; None if a vertex group has that name.
+
+    Raises:
+        ScatterError: there is neither, or it can be no density.
+    """
+    if name == MATERIAL:
+        raise ScatterError(
+            f"Surface '{obj.name}': '{name}' is the number of a material and no density: turn on "
+            "Material under Masks, and choose materials there"
+        )
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and attribute.domain in _DOMAINS:
+        return RawValues(name, attribute.domain, _values(obj, attribute))
+    if attribute is not None and name not in obj.vertex_groups:
+        raise ScatterError(
+            f"Surface '{obj.name}': attribute '{name}' is on the domain "
+            f"{attribute.domain.title()}: a density is one on Vertex, Face or Face Corner. Convert "
+            "Attribute changes that"
+        )
+    group_of(obj, name)
+    return None
+
+
+def group_of(obj: bpy.types.Object, name: str) -> int:
+    """Index of a vertex group in the evaluated mesh of an object; a joined surface has those of
+    its parts, which only the evaluated object lists.
+
+    Raises:
+        ScatterError: there is none.
+    """
+    owner = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()) if is_joined(obj) else obj
+    group = owner.vertex_groups.get(name)
+    if group is None:
+        raise ScatterError(f"Surface '{obj.name}' has no attribute or vertex group '{name}'")
+    return int(group.index)
+
+
+def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str, part: slice) -> Floats:
+    """Weights of some of the vertices in a vertex group, at most GROUP_PART to be quick."""
+    vertices, index = mesh.vertices, group_of(obj, name)
+    own = []
+    for at in range(*part.indices(len(vertices))):  # Blender finds a slice's beginning by walking
+        for one in vertices[at].groups:
+            if one.group == index:
+                own.append(one.weight)
+                break
+        else:
+            own.append(0.0)
+    return np.array(own)
+
+
+def _values(obj: bpy.types.Object, attribute: bpy.types.Attribute) -> NDArray[Any]:
+    """Numbers (k,) or colors (k, 4)."""
+    kind, count = attribute.data_type, len(attribute.data)
+    if kind not in _FIELDS | _COLORS:
+        raise ScatterError(
+            f"Surface '{obj.name}': attribute '{attribute.name}' is of the type {kind}: numbers or "
+            "colors are needed"
+        )
+    shape = (count, 4) if kind in _COLORS else (count,)
+    values: NDArray[Any] = np.empty(shape, dtype=_NUMPY.get(kind, np.float32))
+    if count:
+        attribute.data.foreach_get((_FIELDS | _COLORS)[kind], values.ravel())
+    return values
+
+
+def all_group_weights(mesh: bpy.types.Mesh, index: int) -> Floats:
+    """Blender gives weights vertex by vertex only; bmesh does so in half the time of the mesh."""
+    edited = bmesh.new()
+    edited.from_mesh(mesh, face_normals=False, vertex_normals=False)
+    layer, count = edited.verts.layers.deform.active, len(edited.verts)
+    values = np.zeros(count)
+    if layer is not None:
+        values = np.fromiter(
+            (vertex[layer].get(index, 0.0) for vertex in edited.verts), float, count
+        )
+    edited.free()
+    return values

@@ -1,0 +1,319 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake: points carried through the frames of a deforming surface, as keys.
+
+Frames that an earlier, stopped bake has solved from the same input are taken from its files, and
+the tracker is put at the last of them before the next one is solved: the same bytes as a bake
+without a stop.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ..base.errors import ScatterError
+from ..base.native import named, package
+from ..settings.values import Settings
+from ..solve.class_counts import resumed_on, tracked
+from ..solve.solve import Report, report_of
+from ..surface.arrays import REBIND, Floats, Ints, SurfaceArrays, check_same_topology
+from ..surface.binding import placed_of, rebound, samples_of
+from ..surface.frames import carried, shading
+from ..surface.records import Binding, Placed
+from ..surface.rest import Shape, rebound_at_rest
+from .grounds import Grounds
+from .keys import Baked, Keyframes
+from .lean import Leaning
+from .sidecar import Fingerprint, Sidecar, Solved
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a bake begins with: a bound scatter."""
+
+    binding: Binding
+    ids: Ints
+    classes: Ints
+    settings: Settings
+
+
+@dataclass
+class Baker:
+    """Solves one frame after another: enter it, take it or advance, until all are done.
+
+    Where changes() says so, cross() comes before enter().
+    """
+
+    remedy = REBIND  # where the topology changes and must not
+    at_seam = True  # bind anew just when the topology changes, between two frames
+    is_bare = False  # whether the last frame had no faces, so that there are no points to go on
+
+    bound: SurfaceArrays  # where the current topology begins
+    start: Start
+    keyframes: Keyframes
+    sidecar: Sidecar | None = None
+    first: int = 1  # number of the first frame
+    rebind: bool = False  # where the topology changes: bind to the nearest places, or refuse
+    follows: bool = False  # whether the density is that of each frame, which is read with it
+    fits: bool = False  # whether instances are fitted to the room of their points, on each key
+    reports: list[Report] = field(default_factory=list)
+    taken: int = 0  # frames that came from the sidecar
+    trouble: str = ""  # why frames are not kept
+    fingerprint: str = ""  # of all frames so far
+    anew: str = ""  # why the points were optimized anew first
+
+    def __post_init__(self) -> None:
+        start = self.start
+        read = [*self.bound.weights.values(), *self.bound.around.arrays()]
+        self._chain = Fingerprint(start.settings, start.binding, (start.ids, start.classes, *read))
+        self._now = self.bound
+        self.begin, self.first_surface = start.binding, self.bound  # as the points are stored
+        self.topologies = [self.bound.topology]
+        self.last = start.binding
+        self.leaning = Leaning()
+        self._shape: Shape | None = None  # of the topology, where points are bound to its rest
+        self._tracker: Any = None
+        self.grounds = Grounds(self.bound, start.settings)
+        self._stands_on: Any = None  # the ground of the tracker
+        self._begun = 0  # frames before the topology begins
+        self._laid_for = -1  # frames before the density is another
+        self._tracked = 0  # frames after which the tracker stands
+        self._solved: Solved  # the last frame that is done, and its vertices
+        self._vertices: Floats
+
+    @property
+    def done(self) -> int:
+        """Frames that are solved, or held back until others come."""
+        return len(self.reports)
+
+    @property
+    def share(self) -> tuple[float, float]:
+        """How much of the bake is done before and after the next frame, in [0, 1]."""
+        return self.done / self.keyframes.count, (self.done + 1) / self.keyframes.count
+
+    def changes(self, frame: SurfaceArrays) -> bool:
+        """Whether the next frame has another topology; ScatterError if it may not."""
+        if not self.rebind:
+            check_same_topology(self.bound, frame, f"frame {self.first + self.done}", self.remedy)
+        return frame.topology != self.bound.topology
+
+    def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
+        """Bind to the places of a new topology that are nearest, or the same on the rest shape.
+
+        Both are the surface just before and after it came; of two frames where that is not asked
+        for, and with a rest shape of any moments.
+        """
+        before = replace(before, faces=self.bound.faces, loops=self.bound.loops)
+        last, leaning, self.leaning = self.last, self.leaning, Leaning()
+        if after.rest is None:
+            with named(after.name):
+                self.last = rebound(last, before, after)
+            if self.at_seam:
+                leaning.cross(last, before, self.last, after)
+                self.leaning = leaning
+        else:
+            after = replace(after, rest_parts=self.bound.rest_parts)
+            before = replace(self.bound, vertices=before.vertices, normals=before.normals)
+            self.last = rebound_at_rest(last, before, after)
+        self._chain.add(before)
+        self._note_bound(after)
+        self.start = replace(self.start, binding=self.last)
+        self.bound, self._tracked, self._shape = after, self.done, None
+        self.grounds.begin(after)
+        self._begun = self._laid_for = self.done
+        self.topologies.append(after.topology)
+
+    def _note_bound(self, bound: SurfaceArrays) -> None:
+        """Frames are solved from where a topology begins, and from its values."""
+        self._chain.add(bound)
+        for array in (*bound.weights.values(), *bound.around.arrays()):
+            self._chain.note_array(array)
+
+    @property
+    def now(self) -> SurfaceArrays:
+        """The surface of the last frame that was entered."""
+        return self._now
+
+    def enter(self, frame: SurfaceArrays) -> None:
+        """The surface of the next frame."""
+        check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
+        self._now = frame
+        self.fingerprint = self._chain.add(frame)
+        if self.follows:
+            laid = self.grounds.laid
+            for array in self.grounds.follow(frame):
+                self._chain.note_array(array)
+            if laid is not self.grounds.laid:
+                self._laid_for = self.done
+                self._chain.note("followed")
+                self.fingerprint = self._chain.now()
+
+    def vanish(self, frame: SurfaceArrays) -> None:
+        """The next frame, which has no faces: only population.py can go on behind it."""
+        raise ScatterError(f"Surface '{frame.name}' has no faces at frame {frame.time:g}")
+
+    def appear(self, bound: SurfaceArrays) -> None:
+        """Faces come back behind frames without any."""
+
+    def take(self) -> bool:
+        """Whether the frame was solved before; then it is done."""
+        if self.sidecar is None:
+            return False
+        number, points = self.first + self.done, len(self.start.ids)
+        solved = self.sidecar.load(number, self.fingerprint, points, self.bound)
+        if solved is None:
+            return False
+        self.taken += 1
+        self._add(solved)
+        return True
+
+    def advance(self, context: Any) -> None:
+        """Solve the frame."""
+        with named(self.bound.name):
+            tracker, ground = self._ready_tracker()
+            samples = tracker.advance(ground.vertices(self._now.vertices), context=context)
+        # What is stored leads back to cut faces but for rounding: the tracker is put there too.
+        self._tracked = -1 if ground.is_cut else self.done + 1
+        solved = self._solved_of(ground.to_original(samples), tracker.settled)
+        self._keep(solved, self.first + self.done, self.fingerprint)
+        self._add(solved)
+
+    def finish(self, context: Any) -> None:
+        """Solve frames that are still held back, as nothing of the topology follows."""
+
+    def report(self) -> Report:
+        """The worst spacing, variation and overlap of all frames, the mean cost of one."""
+        every = self.reports
+        worst = max(range(len(every)), key=lambda frame: every[frame].worst_overlap)
+        found = every[worst].of_ids(self.start.ids)
+        reports = [report for report in every if report.count] or every
+        count = max(len(reports), 1)
+        return replace(
+            reports[-1],
+            worst_overlap=found.worst_overlap,
+            overlap_first=found.overlap_first,
+            overlap_second=found.overlap_second,
+            overlap_frame=self.first + worst,
+            alpha_min=min(report.alpha_min for report in reports),
+            alpha_mean=sum(report.alpha_mean for report in reports) / count,
+            capacity_variation=max(report.capacity_variation for report in reports),
+            whole_count_variation=max(report.whole_count_variation for report in reports),
+            thin_share=max(report.thin_share for report in reports),
+            evaluations=round(sum(report.evaluations for report in reports) / count),
+            milliseconds=sum(report.milliseconds for report in reports) / count,
+            converged=all(report.converged for report in reports),
+            key_error_max=self.keyframes.error.largest,
+            key_error_mean=self.keyframes.error.mean,
+        )
+
+    def baked(self) -> Baked:
+        """The keys of all frames."""
+        return self.keyframes.packed()
+
+    def _ready_tracker(self) -> tuple[Any, Any]:
+        """The tracker, at the last frame that is done, and the ground that it stands on."""
+        if self._tracker is None:
+            self._tracker = self._new_tracker()
+        ground = self.grounds.now
+        if ground is not self._stands_on:
+            self._go_over_to(ground)
+        if self._tracked < self.done and self._laid_for < self.done:
+            vertices = ground.vertices(self._vertices)
+            samples = self._there(ground, self._solved)
+            self._tracker.resume(vertices, samples, settled=self._solved.settled)
+        self._tracked = self.done
+        return self._tracker, ground
+
+    @property
+    def _topology_begins(self) -> bool:
+        """Whether the next frame is the first of other faces than the bake has begun with."""
+        return self.done == self._begun and self.bound is not self.first_surface
+
+    def _new_tracker(self) -> Any:
+        """At the start of the bake: every frame is to be as even as that."""
+        start = self.start
+        ground = self.grounds.of(self.first_surface, self.first_surface)
+        samples = samples_of(self.begin, ground.original, start.ids, start.classes)
+        self._stands_on = ground
+        return tracked(ground, ground.from_original(samples), start.settings)
+
+    def _begin(self) -> Any:
+        """Samples on the ground where the topology begins."""
+        self._stands_on = self.grounds.first
+        return self._started(self._stands_on)
+
+    def _started(self, ground: Any) -> Any:
+        """Samples as the topology begins, on a ground of its faces."""
+        start = self.start
+        return ground.from_original(
+            samples_of(start.binding, ground.original, start.ids, start.classes)
+        )
+
+    def _go_over_to(self, ground: Any) -> None:
+        """Take the tracker to another ground, on the last frame."""
+        samples = started = self._started(ground)
+        vertices = self.bound.vertices
+        if self.done > self._begun:
+            samples, vertices = self._there(ground, self._solved), self._vertices
+        settings = self.start.settings
+        crossed = self._topology_begins
+        resumed_on(self._tracker, ground, vertices, (samples, started), settings, crossed)
+        self._stands_on = ground
+
+    def _solved_of(self, samples: Any, settled: bool) -> Solved:
+        """Samples of the frame, turned as the last frame's were."""
+        vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
+        placed = placed_of(samples, self.bound)
+        turned = carried(self.last, placed.binding, vertices, normals)
+        lean = self.leaning.next(self.last, turned, vertices, normals)
+        doubled = self.grounds.first.original.doubled_faces
+        report = replace(report_of(samples.report), doubled_faces=doubled)
+        return Solved(Placed(placed.faces, turned, lean=lean), report, settled)
+
+    def _there(self, ground: Any, solved: Solved) -> Any:
+        """Samples of a solved frame on a ground, to the last bit."""
+        placed, start = solved.placed, self.start
+        weights = placed.binding.barycentric
+        samples = package().Samples(
+            ground.original, placed.faces, weights, ids=start.ids, classes=start.classes
+        )
+        return ground.from_original(samples)
+
+    def _keep(self, solved: Solved, number: int, fingerprint: str, *, ahead: bool = False) -> None:
+        """Keep a frame of the scene, so that a bake that is stopped can go on."""
+        if self.sidecar is None:
+            return
+        try:
+            self.sidecar.store(number, fingerprint, solved, ahead=ahead)
+        except OSError as error:
+            self.trouble = f"Frames cannot be kept in '{self.sidecar.folder}': {error.strerror}"
+            self.sidecar = None
+
+    def _check_distinct(self, placed: Placed) -> None:
+        """ScatterError if a point went to where the rest shape means another place too."""
+        if self.bound.rest is None:
+            return
+        binding = placed.binding
+        if placed.gone is not None:
+            binding = binding.rows_at(placed.gone < 1.0)
+        if self._shape is None:
+            self._shape = Shape(self.bound)
+        other = self._shape.elsewhere(binding, self._now.vertices)
+        if other is not None:
+            raise ScatterError(f"Frame {self.first + len(self.reports)}: {other}")
+
+    @property
+    def classes(self) -> Ints:
+        """Of all rows of a frame."""
+        return self.start.classes
+
+    def _add(self, solved: Solved) -> None:
+        self._check_distinct(solved.placed)
+        self._solved, self._vertices = solved, self._now.vertices
+        self.last = solved.placed.binding
+        self.reports.append(solved.report)
+        spacing = solved.report.spacing
+        normals = shading(self._now, self.bound.faces)
+        self.leaning.add(solved.placed.lean, self._vertices, normals, spacing)
+        placed = solved.placed
+        if self.fits:
+            placed = self.grounds.with_room(placed, self._vertices, self.classes)
+        self.keyframes.add(placed, self.bound, self._now, spacing)

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Leaning: what stands on a surface turns with it, and little more in any one frame.
+
+A point that slides over a crease gets another normal at once, and its instance would flip too. So
+the instance leans back to where the surface alone would have turned it, and straightens by a few
+degrees a frame. Where skinning folds a surface, its own normal may jump from frame to frame: there
+an instance turns little more than those around it, and leans too. A lean is a rotation vector in
+the axes of the instance: the direction it carries is x, the normal z.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..surface.arrays import Floats, SurfaceArrays
+from ..surface.frames import Normals, frames, shading
+from ..surface.records import Binding
+from .keys import padded
+
+LIMIT = math.radians(9.5)  # that an instance turns against its surface in a frame
+MOST_APART = math.radians(30.0)  # that an instance turns more in a frame than those around it
+_AROUND = 3.0  # size of the cells whose instances are compared, in spacings
+_AGREE = 0.8  # of the length of a rotation has the mean of two or more that agree
+_TINY = 1e-9
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What was seen in a frame: axes (n, 3, 3) of the instances, and the points' mean spacing."""
+
+    axes: Floats
+    spacing: float
+
+
+class Leaning:
+    """The leans of a bake, from frame to frame."""
+
+    def __init__(self) -> None:
+        self.lean: Floats | None = None  # of the last frame
+        # Of the last frame, if the surface has come from it: vertices, normals, spacing.
+        self._then: tuple[Floats, Normals, float] | None = None
+
+    def next(
+        self, before: Binding, after: Binding, vertices: Floats, normals: Normals
+    ) -> Floats | None:
+        """Leans (n, 3) of the next frame, which has these vertices; None where none leans.
+
+        Points that appear are the last ones of both bindings.
+        """
+        lean, then = self.lean, None
+        if lean is not None:
+            lean = padded(lean, len(before.carry))
+        if self._then is not None:
+            was, shaded, spacing = self._then
+            then = Shown(shown(before, lean, was, shaded), spacing)
+        return leaning(before, lean, after, vertices, normals, then)
+
+    def add(self, lean: Floats | None, vertices: Floats, normals: Normals, spacing: float) -> None:
+        """A frame is done."""
+        self.lean, self._then = lean, (vertices, normals, spacing)
+
+    def cross(
+        self, before: Binding, first: SurfaceArrays, after: Binding, second: SurfaceArrays
+    ) -> None:
+        """Go on with another binding, to a surface of the same moment with other faces."""
+        axes = shown(before, self.lean, first.vertices, shading(first))
+        self.lean = lean_to(axes, after, second.vertices, shading(second))
+        self._then = None
+
+
+def leaning(
+    before: Binding,
+    lean: Floats | None,
+    after: Binding,
+    vertices: Floats,
+    normals: Normals,
+    then: Shown | None = None,
+) -> Floats | None:
+    """Leans (n, 3) after points went from one binding to another; None where none leans.
+
+    lean is theirs before; both bindings are looked at on the vertices of the new frame. then is the
+    frame before, if there was one.
+    """
+    axes = shown(before, lean, vertices, normals)
+    if then is not None:
+        axes = steadied(then, axes, before.positions(vertices))
+    turn = lean_to(axes, after, vertices, normals)
+    angle = np.linalg.norm(turn, axis=1)
+    left = np.maximum(angle - LIMIT, 0.0)
+    if not left.any():
+        return None
+    found: Floats = turn * (left / np.maximum(angle, _TINY))[:, None]
+    return found
+
+
+def shown(binding: Binding, lean: Floats | None, vertices: Floats, normals: Normals) -> Floats:
+    """Axes (n, 3, 3) of instances that lean."""
+    own = frames(binding, vertices, normals).axes(binding.carry)
+    return own if lean is None else own @ rotations(lean)
+
+
+def steadied(then: Shown, axes: Floats, places: Floats) -> Floats:
+    """The axes after a frame, of instances that turn much more than those around them by less."""
+    if not len(axes):
+        return axes
+    turned = axes @ np.swapaxes(then.axes, 1, 2)
+    cell, sums = _in_cells(turned, places, _AROUND * then.spacing)
+    rows = np.flatnonzero(_angles(_rotation(sums)[cell], turned) > 0.5 * MOST_APART)
+    others = sums[cell[rows]] - turned[rows]
+    count = np.bincount(cell)[cell[rows]] - 1
+    agree = np.linalg.norm(others, axis=(1, 2)) > _AGREE * math.sqrt(3.0) * np.maximum(count, 2)
+    rows, around = rows[agree], _rotation(others[agree])
+    apart = _rotation_vectors(np.swapaxes(around, 1, 2) @ turned[rows])
+    angle = np.linalg.norm(apart, axis=1)
+    far = angle > MOST_APART
+    if not far.any():
+        return axes
+    found, rows = axes.copy(), rows[far]
+    less = rotations(apart[far] * (MOST_APART / angle[far])[:, None])
+    found[rows] = around[far] @ less @ then.axes[rows]
+    return found
+
+
+def _in_cells(turned: Floats, places: Floats, size: float) -> tuple[NDArray[np.int64], Floats]:
+    """Cell (n,) of each point in a grid, and the sums (c, 3, 3) of the matrices in each cell."""
+    cells = np.floor((places - places.min(axis=0)) / max(size, _TINY)).astype(np.int64)
+    _, inverse = np.unique(cells, axis=0, return_inverse=True)
+    cell = inverse.reshape(-1).astype(np.int64)
+    parts = [np.bincount(cell, part) for part in turned.reshape(-1, 9).T]
+    sums = np.stack(parts, axis=1).astype(np.float64).reshape(-1, 3, 3)
+    return cell, sums
+
+
+def _rotation(sums: Floats) -> Floats:
+    """The rotations (c, 3, 3) that are nearest to sums of some."""
+    left, _, right = np.linalg.svd(sums)
+    left[:, :, 2] *= np.linalg.det(left @ right)[:, None]
+    found: Floats = left @ right
+    return found
+
+
+def _angles(one: Floats, other: Floats) -> Floats:
+    found: Floats = np.arccos(np.clip((np.einsum("nij,nij->n", one, other) - 1.0) / 2.0, -1.0, 1.0))
+    return found
+
+
+def lean_to(axes: Floats, binding: Binding, vertices: Floats, normals: Normals) -> Floats:
+    """Leans (n, 3) that give the instances of a binding these axes."""
+    own = frames(binding, vertices, normals).axes(binding.carry)
+    return _rotation_vectors(np.swapaxes(own, 1, 2) @ axes)
+
+
+def rotations(vectors: Floats) -> Floats:
+    """Matrices (n, 3, 3) of rotation vectors (n, 3), by Rodrigues' formula."""
+    angle = np.linalg.norm(vectors, axis=1)[:, None, None]
+    x, y, z = vectors.T
+    nought = np.zeros_like(x)
+    cross = np.array([[nought, -z, y], [z, nought, -x], [-y, x, nought]]).transpose(2, 0, 1)
+    once = np.sinc(angle / math.pi)  # sin(a) / a
+    twice = 0.5 * np.sinc(angle / (2.0 * math.pi)) ** 2  # (1 - cos(a)) / a^2
+    found: Floats = np.eye(3) + once * cross + twice * (cross @ cross)
+    return found
+
+
+def _rotation_vectors(matrices: Floats) -> Floats:
+    """Their inverse, by the quaternions of the matrices: half turns have an axis too."""
+    quaternions = _quaternions(matrices)
+    sine = np.linalg.norm(quaternions[:, 1:], axis=1)
+    angle = 2.0 * np.arctan2(sine, quaternions[:, 0])
+    found: Floats = quaternions[:, 1:] * (angle / np.maximum(sine, _TINY))[:, None]
+    return found
+
+
+def _quaternions(matrices: Floats) -> Floats:
+    """Unit quaternions (n, 4) with w >= 0: the longest column of four times their outer product."""
+    m = matrices
+    x, y, z = m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0], m[:, 1, 0] - m[:, 0, 1]
+    xy, xz, yz = m[:, 1, 0] + m[:, 0, 1], m[:, 0, 2] + m[:, 2, 0], m[:, 2, 1] + m[:, 1, 2]
+    a, b, c = m[:, 0, 0], m[:, 1, 1], m[:, 2, 2]
+    columns = np.array(
+        [
+            [1.0 + a + b + c, x, y, z],
+            [x, 1.0 + a - b - c, xy, xz],
+            [y, xy, 1.0 - a + b - c, yz],
+            [z, xz, yz, 1.0 - a - b + c],
+        ]
+    )
+    longest = np.einsum("kkn->kn", columns).argmax(axis=0)
+    found: Floats = columns[longest, :, np.arange(len(m))]
+    found *= np.where(found[:, 0] < 0.0, -1.0, 1.0)[:, None]
+    return found / np.linalg.norm(found, axis=1)[:, None]

@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake at a constant density per area: points appear where the surface grows, others vanish.
+
+Every point that is ever there has a row in every key, in the order in which they appear, so that
+instances keep their identity. `gone` of a row is 1 - fade: 0 for one that is there, 1 for one that
+is not there yet or no more. On frames without faces all are gone; where faces come back, others
+appear there, at the previous density.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import ScatterError
+from ..base.native import named, package
+from ..density.ground import Ground, ground_of
+from ..solve.class_counts import of_classes, sampled
+from ..solve.solve import Report, point_columns, report_of
+from ..surface.arrays import Floats, Ints, SurfaceArrays
+from ..surface.binding import bound_to, faces_with_corners, samples_of
+from ..surface.frames import carried, shading
+from ..surface.records import Binding, Columns, Placed, joined
+from .baker import Baker
+from .lean import Leaning
+from .sidecar import Solved
+
+
+@dataclass(frozen=True)
+class Born:
+    """Points that appear during a bake, where they appear."""
+
+    binding: Binding  # on the first topology
+    positions: Floats  # (k, 3) in world space
+    columns: Columns  # named as in POINT_ATTRIBUTES and ADDED_ATTRIBUTES
+
+
+@dataclass(frozen=True)
+class _There:
+    """Points of a frame, on the faces of its topology: those that stay, then those that vanish."""
+
+    ids: Ints
+    classes: Ints
+    faces: Ints
+    barycentric: Floats
+    fade: Floats
+
+
+@dataclass
+class PopulationBaker(Baker):
+    """Bakes births and deaths.
+
+    A file of a frame holds the points that are there in it, not the rows, and what the population
+    remembers; see dapple.Population.state.
+    """
+
+    at_seam = False  # the package finds where each point goes on
+    fade: int = 12  # frames that a point takes to appear or to vanish
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.start.settings.classes:  # which the package follows on the same faces only
+            self.rebind, self.remedy = False, "Set Population to Keep Count"
+        self._chain.note(f"population, {self.fade}")
+        self.ids = np.asarray(self.start.ids, dtype=np.int32)
+        self._population: Any = None
+        self._stands = 0  # frames after which the population stands
+        self._ground_then: Ground | None = None  # of the last frame, its density and points
+        self._bound_then = self._laid_then = self.bound
+        self._there_then: _There
+        self._state: Columns = {}
+        self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far
+        self._births: list[tuple[Binding, Floats, Ints]] = []  # places and classes
+        self._begins_anew = False  # on the next frame, behind frames without faces
+        self._began: tuple[SurfaceArrays, _There] | None = None  # where it last has, so
+
+    def vanish(self, frame: SurfaceArrays) -> None:
+        """The next frame, which has no faces: no point is there."""
+        self.fingerprint = self._chain.add(frame)
+        nothing = np.zeros(0, dtype=np.int32)
+        kept = Solved(Placed(nothing, bound_to(self.bound, nothing, np.zeros((0, 3)))), Report())
+        self._keep(kept, self.first + self.done, self.fingerprint)
+        faces = self._faces if len(self._faces) else np.zeros(len(self.ids), dtype=np.int32)
+        rows = Placed(faces, self.last, np.ones(len(self.ids)))
+        self.keyframes.add_bare(rows, self.bound, frame)
+        self.reports.append(kept.report)
+        self.topologies.append(frame.topology)
+        self.is_bare = True
+        if not len(self._faces):  # the points of the start are yet to come
+            self._stands = self.done
+
+    def appear(self, bound: SurfaceArrays) -> None:
+        """Faces come back, on which other points appear; the previous ones stay gone."""
+        self.is_bare = False
+        if not len(self._faces):
+            return
+        bound = replace(bound, rest_parts=self.bound.rest_parts)
+        self._note_bound(bound)
+        self.bound, self._begins_anew, self._shape = bound, True, None
+        self.grounds.begin(bound)
+        self._faces = np.full(len(self.ids), _largest_face(bound), dtype=np.int32)
+        middle = np.full((len(self.ids), 3), 1.0 / 3.0)
+        self.last, self.leaning = bound_to(bound, self._faces, middle), Leaning()
+        self.topologies.append(bound.topology)
+
+    def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
+        """Bind all rows to the new topology, those too that are not there."""
+        super().cross(before, after)
+        self._faces = faces_with_corners(self.last.corners, after.faces)
+
+    def take(self) -> bool:
+        """Whether the frame was solved before; then it is done."""
+        if self.sidecar is None:
+            return False
+        number = self.first + self.done
+        kept = self.sidecar.load(number, self.fingerprint, None, self.bound)
+        there = None if kept is None else _there_of(kept)
+        if kept is None or there is None:
+            return False
+        self.taken += 1
+        self._ground_then = None
+        if self._begins_anew:
+            self._population, self._stands = None, -1
+        self._note(there, kept)
+        return True
+
+    def advance(self, context: Any) -> None:
+        """Solve the frame."""
+        with named(self.bound.name):
+            samples, report = self._next(context)
+            now = self.grounds.now.to_original(samples)
+        there = _There(now.ids, now.classes, now.faces, now.barycentric, now.fade)
+        kept = self._kept(there, report_of(report), self._population.state)
+        self._keep(kept, self.first + self.done, self.fingerprint)
+        # What is stored leads back to cut faces but for rounding: the population is put there too.
+        self._stands = -1 if self.grounds.now.is_cut else self.done + 1
+        self._ground_then = self.grounds.now
+        self._note(there, kept)
+
+    def _kept(self, there: _There, report: Report, state: Columns) -> Solved:
+        faces = np.asarray(there.faces, dtype=np.int32)
+        binding = bound_to(self.bound, faces, there.barycentric)
+        more = {**state, "ids": there.ids, "classes": there.classes}
+        return Solved(Placed(faces, binding), report, bool(state["settled"]), more)
+
+    def _note(self, there: _There, kept: Solved) -> None:
+        """The frame is done."""
+        self._there_then, self._state = there, kept.more
+        self._bound_then, self._laid_then = self.bound, self.grounds.laid
+        if self._begins_anew:
+            self._begins_anew, self._began = False, (self.bound, there)
+        self._add(Solved(self._rows(there), kept.report))
+
+    def _next(self, context: Any) -> tuple[Any, Any]:
+        """dapple.Samples of the next frame, and their dapple.Report."""
+        if self._begins_anew:
+            return self._begun_anew(context)
+        samples = self._ready().advance(self._surface(), context=context)
+        return samples, samples.report
+
+    def _begun_anew(self, context: Any) -> tuple[Any, Any]:
+        """Points at the previous density, all of which begin to appear."""
+        surface = self._surface()
+        density, first = float(self._state["densities"][0]), int(self._state["next_id"])
+        count = max(1, round(density * surface.capacity))
+        asked = replace(self.start.settings, count=count, per_area=0.0)
+        asked = replace(asked, seed=asked.seed + first)
+        found = sampled(self.grounds.now, asked, context)
+        ids = np.arange(first, first + count, dtype=np.int32)
+        ground = self.grounds.now  # through what is stored, as a bake that goes on finds them
+        kept = ground.to_original(
+            package().Samples(surface, found.faces, found.barycentric, ids=ids)
+        )
+        stored = package().Samples(ground.original, kept.faces, kept.barycentric, ids=ids)
+        samples = ground.from_original(stored)
+        self._population = self._population_of(self.grounds.now, samples)
+        begun = {"fades": np.full(count, 1.0 / self.fade), "densities": np.array([density])}
+        state = self._population.state | begun
+        self._population.resume(surface, self._population.samples, state)
+        return self._population.samples, found.report
+
+    def _ready(self) -> Any:
+        """The population, at the last frame that is done."""
+        if self._population is None:
+            self._population = self._new_population()
+        if self._stands < self.done:
+            ground = self._ground_then or self.grounds.of(self._laid_then, self._bound_then)
+            self._stands_on = ground
+            there = ground.from_original(_samples(ground, self._there_then))
+            surface = ground.surface.deformed(ground.vertices(self._vertices))
+            who = {"ids": there.ids, "classes": there.classes}
+            points = package().Samples(surface, there.faces, there.barycentric, **who)
+            self._population.resume(surface, points, self._state)
+            self._stands = self.done
+        return self._population
+
+    def _new_population(self) -> Any:
+        """At the start of the bake, or where points have appeared behind frames without faces."""
+        if self._began is not None:
+            bound, there = self._began
+            ground = ground_of(bound, self.start.settings)
+            return self._population_of(ground, ground.from_original(_samples(ground, there)))
+        ground, start = self.grounds.of(self.first_surface, self.first_surface), self.start
+        samples = samples_of(self.begin, ground.original, start.ids, start.classes)
+        if self._laid_then is self.first_surface:
+            self._ground_then = ground
+        self._stands_on = ground
+        return self._population_of(ground, ground.from_original(samples))
+
+    def _population_of(self, ground: Ground, samples: Any) -> Any:
+        settings = self.start.settings
+        options = settings.tracker_options() | of_classes(ground, samples, settings)
+        return package().Population(ground.surface, samples, fade=self.fade, **options)
+
+    def _surface(self) -> Any:
+        """Vertices of the ground in the frame, or a dapple.Surface where its faces are others."""
+        ground = self.grounds.now
+        if ground is self._stands_on:
+            return ground.vertices(self._now.vertices)
+        self._stands_on = ground
+        return ground.surface
+
+    def born(self) -> Born | None:
+        """The points that were not there at the start."""
+        first = len(self.start.ids)
+        ids = self.ids[first:]
+        if not len(ids):
+            return None
+        bindings, places, classes = zip(*self._births, strict=True)
+        columns = point_columns(ids, np.concatenate(classes), self.start.settings.seed)
+        return Born(joined(list(bindings)), np.concatenate(places), columns)
+
+    def _rows(self, samples: Any) -> Placed:
+        """The samples as rows: known ids first, each at its own, then those that appear."""
+        order = {int(one): row for row, one in enumerate(self.ids)}
+        new = np.array([one not in order for one in samples.ids.tolist()], dtype=bool)
+        self._appear(samples, new)
+        for one in self.ids[len(order) :].tolist():
+            order[one] = len(order)
+        rows = np.array([order[one] for one in samples.ids.tolist()], dtype=np.int64)
+        gone = np.ones(len(self.ids))
+        faces, weights = self._faces.copy(), self.last.barycentric.copy()
+        faces[rows], weights[rows], gone[rows] = (
+            samples.faces,
+            samples.barycentric,
+            1.0 - samples.fade,
+        )
+        self._faces = faces
+        after = bound_to(self.bound, faces, weights)
+        vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
+        turned = carried(self.last, after, vertices, normals)
+        return Placed(faces, turned, gone, self.leaning.next(self.last, turned, vertices, normals))
+
+    @property
+    def classes(self) -> Ints:
+        """Of all rows of a frame."""
+        return np.concatenate([self.start.classes, *(born for _, _, born in self._births)])
+
+    def _appear(self, samples: Any, new: Any) -> None:
+        """Give new ids rows at their first places."""
+        if not len(self._faces):
+            self._faces = _faces_at_start(samples, self.ids)
+        if not new.any():
+            return
+        faces = np.asarray(samples.faces, dtype=np.int32)[new]
+        binding = bound_to(self.bound, faces, np.asarray(samples.barycentric)[new])
+        first = self.bound is self.first_surface
+        stored = binding if first else _first_row(self.begin, len(faces))
+        classes = np.asarray(samples.classes, dtype=np.int32)[new]
+        self._births.append((stored, binding.positions(self._now.vertices), classes))
+        self._faces = np.concatenate([self._faces, faces])
+        self.ids = np.concatenate([self.ids, np.asarray(samples.ids, dtype=np.int32)[new]])
+        self.last = joined([self.last, binding])
+
+
+def _there_of(kept: Solved) -> _There | None:
+    """The points of a file, if it is one of a population."""
+    more, placed = kept.more, kept.placed
+    for name, kind in {"ids": "i4", "classes": "i4", "fades": "f8"}.items():
+        if name not in more or more[name].dtype != kind or more[name].shape != placed.faces.shape:
+            return None
+    weights = placed.binding.barycentric
+    return _There(more["ids"], more["classes"], placed.faces, weights, more["fades"])
+
+
+def _samples(ground: Ground, there: _There) -> Any:
+    """dapple.Samples of the faces that were read."""
+    who = {"ids": there.ids, "classes": there.classes}
+    return package().Samples(ground.original, there.faces, there.barycentric, **who)
+
+
+def _largest_face(surface: SurfaceArrays) -> int:
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    return int(np.argmax(np.linalg.norm(np.cross(b - a, c - a), axis=1)))
+
+
+def _first_row(binding: Binding, count: int) -> Binding:
+    """So many like the first: for points of later topologies, which the first one never shows."""
+    return binding.rows_at(np.zeros(count, dtype=np.int64))
+
+
+def _faces_at_start(samples: Any, ids: Ints) -> Ints:
+    """Faces of the first rows on the first frame, on which nothing can have vanished for good."""
+    of = dict(zip(samples.ids.tolist(), samples.faces.tolist(), strict=True))
+    missing = [one for one in ids.tolist() if one not in of]
+    if missing:
+        raise ScatterError(f"Point {missing[0]} vanished on the first frame: optimize the scatter")
+    return np.array([of[one] for one in ids.tolist()], dtype=np.int32)

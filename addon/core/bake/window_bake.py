@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames that are solved together, so that motion is smooth in time and loops close.
+
+They are solved in pieces, as dapple3d.track_pieces does: each begins before the last one ends, and
+its last frames, which are ahead, are solved again with the next one. Where the topology changes a
+piece ends. What a stopped bake has left of a piece is taken if all of it is there: the frames that
+are done with it, and those ahead, from which the next one goes on.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from ..base.native import named, package
+from ..solve.class_counts import of_classes
+from ..solve.solve import report_of
+from ..surface.arrays import SurfaceArrays
+from ..surface.binding import placed_of
+from .baker import Baker
+from .sidecar import Solved
+
+PIECE, OVERLAP = 50, 12  # frames that are solved at once; how many of them again with the next
+_READING = 0.2  # of the progress
+
+
+class _Held(NamedTuple):
+    """A frame that is not done."""
+
+    surface: SurfaceArrays
+    fingerprint: str  # of all frames up to it
+
+
+@dataclass
+class TogetherBaker(Baker):
+    """Holds frames back until a piece of them is solved; finish() solves what is left."""
+
+    closed: bool = False  # the last frame leads back to the first
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.closed:
+            self.rebind, self.remedy = False, "Set Smoothing to Forward"
+        self._held: list[_Held] = []
+        self._ahead: list[Solved] = []
+
+    @property
+    def done(self) -> int:
+        """Frames that are held or solved."""
+        return len(self.reports) + len(self._held)
+
+    @property
+    def share(self) -> tuple[float, float]:
+        """Of the bake, before and after the next frame."""
+        more = PIECE - OVERLAP if self._is_full(len(self._held) + 1) else 0
+        return self._progress(), self._progress(1, more)
+
+    def take(self) -> bool:
+        """Whether the frame waits for others, or its piece was solved before."""
+        self._held.append(_Held(self._now, self.fingerprint))
+        return not self._is_full(len(self._held)) or self._take(PIECE, PIECE - OVERLAP)
+
+    def advance(self, context: Any) -> None:
+        """Solve the piece that is full with the frame."""
+        self._solve(PIECE, PIECE - OVERLAP, context)
+
+    def finish(self, context: Any) -> None:
+        """Take or solve all frames that are held."""
+        count = len(self._held)
+        if count and not self._take(count, count):
+            self._solve(count, count, context)
+
+    def _is_full(self, count: int) -> bool:
+        """Whether so many frames are a piece, and no less would be left than a piece."""
+        return count == 2 * PIECE - OVERLAP
+
+    def _progress(self, read: int = 0, solved: int = 0) -> float:
+        done = _READING * (self.done + read) + (1.0 - _READING) * (len(self.reports) + solved)
+        return done / self.keyframes.count
+
+    def _take(self, count: int, done: int) -> bool:
+        """Whether a piece of so many frames was solved before; then so many are done."""
+        if self.sidecar is None:
+            return False
+        fingerprint, begin = self._piece(count, done), self.first + len(self.reports)
+        points, bound = len(self.start.ids), self.bound
+        found = []
+        for k in range(count):
+            solved = self.sidecar.load(begin + k, fingerprint, points, bound, ahead=k >= done)
+            if solved is None:
+                return False
+            found.append(solved)
+        for held, solved in zip(self._held[:done], found[:done], strict=True):
+            self._now = held.surface
+            self._add(solved)
+        self.taken += done
+        self._let_go(found[done:], done, fingerprint)
+        return True
+
+    def _solve(self, count: int, done: int, context: Any) -> None:
+        """Solve a piece of so many frames, of which so many are done then."""
+        fingerprint, begin = self._piece(count, done), self.first + len(self.reports)
+        samples = self._samples_on(count, done, context)
+        bound, ahead = self.bound, samples[done:]
+        left = [Solved(placed_of(one, bound), report_of(one.report)) for one in ahead]
+        for k, solved in enumerate(left):  # before the others: once those are there, all are
+            self._keep(solved, begin + done + k, fingerprint, ahead=True)
+        for k in range(done):
+            self._now = self._held[k].surface
+            solved = self._solved_of(samples[k], settled=True)
+            self._keep(solved, begin + k, fingerprint)
+            self._add(solved)
+        self._let_go(left, done, fingerprint)
+
+    def _samples_on(self, count: int, done: int, context: Any) -> list[Any]:
+        """Samples of the frames of a piece, on the faces that were read."""
+        with named(self.bound.name):
+            tracker, ground = self._ready_tracker()
+            frames = [ground.vertices(one.surface.vertices) for one in self._held[:count]]
+            found = tracker.advance(frames, done, context=context)
+            return [ground.to_original(one) for one in found]
+
+    def _piece(self, count: int, done: int) -> str:
+        """Fingerprint of a piece."""
+        begin, closes = len(self.reports), self.closed and done == count
+        return f"{self._held[count - 1].fingerprint} {begin} {done} {count} {closes}"
+
+    def _let_go(self, ahead: list[Solved], done: int, fingerprint: str) -> None:
+        """Hold so many frames no more."""
+        self._ahead, self.fingerprint = ahead, fingerprint
+        del self._held[:done]
+
+    def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
+        """Begin the next piece with a tracker of its own."""
+        super().cross(before, after)
+        self._tracker = None
+
+    def _ready_tracker(self) -> tuple[Any, Any]:
+        """The tracker, at the last frame that is done, and the ground that it stands on."""
+        if self._tracker is None:
+            self._tracker = self._new_tracker()
+        ground = self.grounds.first  # what moves is not followed
+        if self._tracked < len(self.reports):
+            vertices = ground.vertices(self._vertices)
+            ahead = [self._there(ground, one) for one in self._ahead]
+            self._tracker.resume(vertices, self._there(ground, self._solved), ahead)
+        return self._tracker, ground
+
+    def _new_tracker(self) -> Any:
+        samples, settings = self._begin(), self.start.settings
+        ground = self.grounds.first
+        options = settings.tracker_options() | of_classes(ground, samples, settings)
+        options["stickiness"] = max(options["stickiness"], 1.0)
+        return package().WindowTracker(ground.surface, samples, closed=self.closed, **options)

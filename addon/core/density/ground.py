@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The ground: the surface that was read with the density that the settings ask for."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base.native import package
+from ..settings.values import Settings
+from ..surface.arrays import Floats, SurfaceArrays
+from ..surface.frames import SMOOTH, shaded
+from .terms import density_of, fields_of
+
+if TYPE_CHECKING:
+    from dapple3d.density import MaskedSurface
+
+    Ground = MaskedSurface
+else:
+    Ground = Any  # the package may be missing
+
+
+def ground_of(
+    arrays: SurfaceArrays,
+    settings: Settings,
+    context: Any = None,
+    like: Ground | None = None,
+    first: SurfaceArrays | None = None,
+) -> Ground:
+    """Raises ValueError as dapple.Surface does; a dapple.Context can cancel the cutting.
+
+    A ground with the same faces, `like`, saves measuring anew those that have not changed.
+    What belongs to the surface is as on the first frame, if that is given.
+    """
+    surface = _measured(
+        arrays,
+        density_of(arrays, settings.density, first),
+        settings.merge_doubled,
+        None if like is None else like.original,
+    )
+    count, around = settings.count, arrays.around
+    if settings.per_area:
+        count = round(settings.per_area * surface.area)
+    return package().density.MaskedSurface(
+        surface,
+        fields_of(arrays, settings.density, first),
+        count=count,
+        balls=(around.points, around.radii) if len(around.points) else None,
+        uv=around.uv,
+        image=around.image,
+        tiles=around.tiles,
+        values=arrays.weights,
+        rest=None if first is None else first.vertices,
+        context=context,
+    )
+
+
+def shares(ground: Ground, densities: Floats) -> Floats:
+    """Densities as shares of the largest that the ground has."""
+    density = ground.surface.density
+    return densities if density is None else densities / density.max()
+
+
+def _measured(arrays: SurfaceArrays, density: Floats | None, merge: bool, like: Any) -> Any:
+    """dapple.Surface of what was read; that of the same faces saves most of the work."""
+    values, at = package().density.placed(density)
+    own = shaded(arrays)
+    same = like is not None and like.merge_doubled == merge
+    same = same and (like.sharp_angle == SMOOTH) == ("normals" not in own)
+    if not same or not np.array_equal(like.faces, arrays.faces):
+        own |= {"density_at": at, "merge_doubled": merge}
+        return package().Surface(arrays.vertices, arrays.faces, values, **own)
+    if "normals" in own or not np.array_equal(like.vertices, arrays.vertices):
+        like = like.deformed(arrays.vertices, normals=own.get("normals"))
+    return like.with_density(values, density_at=at)

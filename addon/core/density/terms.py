@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The terms of a density that the settings ask for, by the density functions of the package."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ..base.native import package
+from ..settings.values import MATERIAL, DensitySettings, Settings, materials_of
+from ..surface.arrays import Floats, SurfaceArrays, turn_of
+from ..surface.frames import corner_normals
+
+_FLOOR = 0.02  # of the largest density, where curvature alone thins
+
+
+def names_of(settings: Settings) -> list[str]:
+    """Attributes and vertex groups that the settings ask for."""
+    density = settings.density
+    named = [density.attribute, density.blocked, *(kind.density for kind in settings.classes)]
+    return sorted({name for name in named if name})
+
+
+def has_mask(settings: DensitySettings, name: str) -> bool:
+    """Whether the mask of that name has an effect."""
+    return bool(getattr(settings, f"use_{name}") and getattr(settings, f"{name}_strength") > 0.0)
+
+
+def range_of(settings: DensitySettings, name: str) -> Any:
+    """The dapple.density.Range of the mask of that name; None where it has no effect."""
+    if not has_mask(settings, name):
+        return None
+    ends = ("from", "to", "fade", "invert", "strength")
+    return package().density.Range(*(getattr(settings, f"{name}_{end}") for end in ends))
+
+
+def density_of(
+    arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays | None = None
+) -> Floats | None:
+    """Product of the terms that are known on the faces that were read: at vertices (v,), or on
+    faces (m, 1) or at their corners (m, 3) where some term is; None where there is none.
+
+    Of a later frame of a bake with its first one, on which the surface has its curvature.
+    """
+    terms = [*_stored_terms(arrays, settings), *_terms_by_shape(arrays, settings, first or arrays)]
+    return package().density.product(terms, arrays.faces) if terms else None
+
+
+def _stored_terms(arrays: SurfaceArrays, settings: DensitySettings) -> Iterator[Floats]:
+    """Values that the surface has."""
+    if settings.attribute:
+        yield arrays.weights[settings.attribute]
+    if settings.blocked:
+        yield 1.0 - np.clip(arrays.weights[settings.blocked], 0.0, 1.0)
+    if materials_of(settings):
+        chosen = arrays.weights[MATERIAL]
+        wanted = 1.0 - chosen if settings.material_invert else chosen
+        yield 1.0 - settings.material_strength * (1.0 - wanted)
+
+
+def _terms_by_shape(
+    arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays
+) -> Iterator[Floats]:
+    if settings.curvature > 0.0:
+        yield _by_curvature(first, settings.curvature)
+    slope, aspect = range_of(settings, "slope"), range_of(settings, "aspect")
+    if slope is not None or aspect is not None:
+        normals = corner_normals(arrays)
+    if slope is not None:
+        yield package().density.slope(normals, slope)
+    if aspect is not None:
+        yield package().density.aspect(normals, aspect, settings.aspect_direction)
+
+
+def _by_curvature(arrays: SurfaceArrays, influence: float) -> Floats:
+    plain = package().Surface(arrays.vertices, arrays.faces)
+    curved: Floats = package().curvature_density(plain, floor=_FLOOR)
+    return 1.0 - influence + influence * curved
+
+
+def fields_of(
+    arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays | None = None
+) -> list[Any]:
+    """The dapple.density.Field of each term that knows nothing of faces; of a later frame of a bake
+    with its first one, on which border and noise are.
+    """
+    around, density, found = arrays.around, package().density, []
+    if (within := range_of(settings, "height")) is not None:
+        found.append(density.Height(within, float(np.abs(arrays.vertices[:, 2]).max(initial=0.0))))
+    found += _distances(arrays, settings, first)
+    if (within := range_of(settings, "noise")) is not None:
+        found.append(_noise(within, settings, (first or arrays).matrix, first is not None))
+    if around.camera is not None:
+        found.append(density.Camera(around.camera, settings.camera_margin))
+    found += [density.Obstacle(*mesh, settings.obstacle_margin) for mesh in around.obstacles]
+    return found
+
+
+def _distances(
+    arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays | None
+) -> Iterator[Any]:
+    """To objects and to the border; where there are none, the masks have no effect."""
+    around, density, begin = arrays.around, package().density, first or arrays
+    within = range_of(settings, "distance")
+    if within is not None and (around.targets or len(around.lines)):
+        nearest = density.Nearest(around.targets, around.lines, settings.distance_plan)
+        yield density.Distance(within, nearest)
+    within = range_of(settings, "border")
+    if within is not None:
+        border = density.border_edges(begin.vertices, begin.faces)
+        if len(border):
+            yield density.Distance(within, density.Nearest((), border), rides=first is not None)
+
+
+def _noise(within: Any, settings: DensitySettings, matrix: Floats, rides: bool) -> Any:
+    """In the axes of the surface's object, in lengths of the world."""
+    return package().density.Noise(
+        within,
+        size=settings.noise_scale,
+        detail=settings.noise_detail,
+        seed=settings.noise_seed,
+        origin=matrix[:3, 3],
+        axes=turn_of(matrix),
+        rides=rides,
+    )

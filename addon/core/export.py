@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an export writes: instances of scatters, frame by frame, in the format of an ending."""
+
+import importlib
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .base.errors import ScatterError
+from .base.native import PACKAGE, package
+from .surface.arrays import Floats, Ints
+
+LongInts = NDArray[np.int64]
+USD = (".usdc", ".usda", ".usd")
+GLTF = (".glb", ".gltf")
+TABLES = (".csv", ".npz")
+SUFFIXES = (*USD, *GLTF, *TABLES)
+_PART = 32  # bits that an id has; above them which object of a collection it is
+
+
+@dataclass(frozen=True)
+class Placed:
+    """The instances of a scatter on one frame: matrices of column vectors, in world space."""
+
+    matrices: Floats  # (n, 4, 4)
+    ids: LongInts  # of the points
+    classes: Ints  # object types
+    prototypes: Ints  # what stands there
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What all files of an export have in common."""
+
+    times: list[float]  # numbers of the frames
+    fps: float
+    meters_per_unit: float
+
+
+@dataclass
+class Exported:
+    """A scatter with its frames."""
+
+    name: str
+    frames: list[Placed] = field(default_factory=list)
+    objects: list[str] = field(default_factory=list)  # names of what stands there
+    prototypes: Sequence[Any] = ()  # references of dapple3d, in the same order
+
+
+def check_path(path: Path, frames: int) -> None:
+    """ScatterError unless so many frames can be written there."""
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        known = ", ".join(SUFFIXES)
+        raise ScatterError(f"'{path.name}' has no ending that is known: {known}")
+    if not path.parent.is_dir():
+        raise ScatterError(f"'{path.parent}': the folder does not exist")
+    if suffix in GLTF and frames > 1:
+        raise ScatterError("glTF cannot move instances: export a single frame, or USD")
+
+
+def write(path: Path, scatters: Sequence[Exported], moment: Moment) -> list[Path]:
+    """Write all scatters into a file; a table holds one, so that several get a file each.
+
+    Returns:
+        The files.
+
+    Raises:
+        ScatterError: it cannot be written.
+    """
+    try:
+        if path.suffix.lower() in TABLES:
+            return _write_tables(path, scatters, moment)
+        _write_scene(path, scatters, moment)
+    except (OSError, ValueError, ImportError) as error:
+        raise ScatterError(f"'{path}' could not be written: {error}") from error
+    return [path]
+
+
+def skewed(scatters: Iterable[Exported]) -> int:
+    """How many instances are skewed, by the scale of an object above: files cannot hold that."""
+    part = _part("instances")
+    frames = (frame for one in scatters for frame in one.frames[:1])
+    return sum(int(part.of_matrices(frame.matrices)[1].sum()) for frame in frames)
+
+
+def identifiers(names: Iterable[str]) -> list[str]:
+    """Names of letters, digits and _ that differ."""
+    found: list[str] = []
+    for name in names:
+        plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+        plain = base = f"_{plain}" if plain[:1].isdigit() or not plain else plain
+        count = 1
+        while plain in found:
+            count += 1
+            plain = f"{base}_{count}"
+        found.append(plain)
+    return found
+
+
+def reference(path: Path, prim: str) -> Any:
+    """A prototype that the written file holds."""
+    return _part("instances").Reference(path, prim, held=True)
+
+
+def _part(name: str) -> Any:
+    package()  # says why it is missing
+    return importlib.import_module(f"{PACKAGE}.{name}")
+
+
+def _write_scene(path: Path, scatters: Sequence[Exported], moment: Moment) -> None:
+    part = _part("instances")
+    listed = [
+        part.Scatter(name, _instances(one, moment), one.prototypes)
+        for name, one in zip(identifiers(one.name for one in scatters), scatters, strict=True)
+    ]
+    if path.suffix.lower() in GLTF:
+        _part("extras.gltf").write_scatters(path, listed, meters_per_unit=moment.meters_per_unit)
+    else:
+        times = moment.times if len(moment.times) > 1 else None
+        given = {"fps": moment.fps, "meters_per_unit": moment.meters_per_unit}
+        _part("extras.usd").write_scatters(path, listed, times=times, **given)
+
+
+def _write_tables(path: Path, scatters: Sequence[Exported], moment: Moment) -> list[Path]:
+    paths = [path]
+    if len(scatters) > 1:
+        names = identifiers(one.name for one in scatters)
+        paths = [path.with_name(f"{path.stem}.{name}{path.suffix}") for name in names]
+    times = moment.times if len(moment.times) > 1 else None
+    for to, one in zip(paths, scatters, strict=True):
+        frames = _instances(one, moment)
+        _part("tables").write(to, frames, times=times, names=one.objects)
+    return paths
+
+
+def _instances(one: Exported, moment: Moment) -> list[Any]:
+    """As dapple3d has them, with velocities if there are several frames."""
+    part = _part("instances")
+    found = [
+        part.of_matrices(
+            frame.matrices,
+            ids=_own_ids(frame),
+            classes=frame.classes,
+            prototypes=frame.prototypes,
+        )[0]
+        for frame in one.frames
+    ]
+    step = moment.times[1] - moment.times[0] if len(found) > 1 else 1.0
+    moved: list[Any] = part.with_velocities(found, moment.fps / step) if len(found) > 1 else found
+    return moved
+
+
+def _own_ids(frame: Placed) -> LongInts:
+    """Ids that differ where several objects of a collection stand on one point."""
+    order = np.argsort(frame.ids, kind="stable")
+    ordered = frame.ids[order]
+    first = np.searchsorted(ordered, ordered)
+    ids = np.empty(len(order), np.int64)
+    ids[order] = ordered + ((np.arange(len(order)) - first) << _PART)
+    return ids

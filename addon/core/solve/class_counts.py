@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Several classes of points: how many each gets, and the arguments of the native package."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import ScatterError
+from ..base.native import package
+from ..density.ground import Ground
+from ..settings.values import Settings
+from ..surface.arrays import Floats, Ints
+from .locked import Locked
+
+MOST_POINTS = 20_000_000
+_PACKED = 0.55  # of the surface that discs of different sizes cover without overlapping, about
+
+
+def class_counts(settings: Settings) -> list[int]:
+    """Points of each class: those it counts itself, the rest of the count by largest remainders.
+
+    Where every class counts its points, their sum takes the place of the count.
+
+    Raises:
+        ScatterError: the classes count more points than there are.
+    """
+    counts = [kind.count for kind in settings.classes]
+    shares = [0.0 if kind.count else kind.share for kind in settings.classes]
+    rest, total = settings.count - sum(counts), sum(shares)
+    if all(counts) or not settings.classes:
+        return counts
+    if rest < 0:
+        raise ScatterError(
+            f"The exact counts of the object types add up to {sum(counts):,} points, Count is "
+            f"{settings.count:,}: increase it, or reduce them"
+        )
+    if rest and not total:
+        raise ScatterError(f"{rest:,} points have no object type: all weights are 0")
+    quotas = [rest * share / total if total else 0.0 for share in shares]
+    given = [int(quota) for quota in quotas]
+    order = sorted(range(len(quotas)), key=lambda k: (given[k] - quotas[k], k))
+    for k in order[: rest - sum(given)]:
+        given[k] += 1
+    return [count + more for count, more in zip(counts, given, strict=True)]
+
+
+def counted(surface: Any, settings: Settings) -> Settings:
+    """The settings with the count that points per area make on a dapple.Surface.
+
+    Raises:
+        ScatterError: they make more points than anyone can want.
+    """
+    return with_area(settings, surface.capacity) if settings.per_area else settings
+
+
+def with_area(settings: Settings, capacity: float) -> Settings:
+    """The settings with the count that points per area make on a surface of such a capacity.
+
+    Raises:
+        ScatterError: they make more points than anyone can want.
+    """
+    count = round(settings.per_area * capacity)
+    if count > MOST_POINTS:
+        raise ScatterError(
+            f"{settings.per_area:g} points per area are {count:,} points on this surface: "
+            f"at most {MOST_POINTS:,} are possible"
+        )
+    return replace(settings, count=max(count, 1))
+
+
+def shrunk(settings: Settings, surface: Any) -> Settings:
+    """The settings with the discs of classes that may shrink, so that all fit on a dapple.Surface;
+    their instances have less room then.
+    """
+    if not any(kind.shrinks for kind in settings.classes):
+        return settings
+    counts = class_counts(counted(surface, settings))
+    areas = [
+        count * np.pi * kind.radius**2 for count, kind in zip(counts, settings.classes, strict=True)
+    ]
+    rigid = sum(
+        area for area, kind in zip(areas, settings.classes, strict=True) if not kind.shrinks
+    )
+    left, asked = max(_PACKED * surface.area - rigid, 0.0), sum(areas) - rigid
+    factor = np.sqrt(left / asked) if asked > left else 1.0
+    classes = [
+        replace(kind, radius=factor * kind.radius, most_room=factor * kind.most_room)
+        if kind.shrinks
+        else kind
+        for kind in settings.classes
+    ]
+    return replace(settings, classes=tuple(classes))
+
+
+def wanted_counts(ground: Ground, settings: Settings) -> list[int]:
+    """How many points each class is to have; one class if there are no object types."""
+    sized = counted(ground.surface, shrunk(settings, ground.surface))
+    return class_counts(sized) or [sized.count]
+
+
+def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | None = None) -> Any:
+    """dapple.Samples of one class, or of those that the settings list, on the ground's surface.
+
+    Locked points come first in their class.
+
+    Raises:
+        ScatterError: more points of a class are locked than it has.
+    """
+    options = settings.sample_options()
+    counts = wanted_counts(ground, settings)
+    groups = locked.of_classes(counts) if locked else [None] * len(counts)
+    kept = [None if one is None else one.samples(ground.surface) for one in groups]
+    if not settings.classes:
+        return package().sample(
+            ground.surface, counts[0], context=context, locked=kept[0], **options
+        )
+    classes = classes_of(ground, settings, counts, kept)
+    return package().sample_classes(ground.surface, classes, context=context, **options)
+
+
+def tracked(ground: Ground, samples: Any, settings: Settings) -> Any:
+    """A dapple.Tracker on the ground that keeps the classes even by themselves and together."""
+    options = settings.tracker_options() | of_classes(ground, samples, settings)
+    return package().Tracker(ground.surface, samples, **options)
+
+
+def resumed_on(
+    tracker: Any,
+    ground: Ground,
+    vertices: Floats,
+    samples: tuple[Any, Any],
+    settings: Settings,
+    anywhere: bool,
+) -> None:
+    """Take a tracker to another ground, at these coarse vertices; samples are those of the last
+    frame and of the first one there. They may go anywhere, or only where the density pushes them.
+    """
+    now, first = samples
+    classes = of_classes(ground, now, settings)
+    tracker.resume_on(
+        ground.surface, ground.vertices(vertices), now, first, anywhere=anywhere, **classes
+    )
+
+
+def of_classes(ground: Ground, samples: Any, settings: Settings) -> dict[str, Any]:
+    """The option `classes` of what moves dapple.Samples over the ground; nothing for one class.
+
+    Raises:
+        ScatterError: samples are of a class that the settings do not list.
+    """
+    if not settings.classes:
+        return {}
+    counts = _counts_of(samples.classes, settings)
+    return {"classes": classes_of(ground, settings, counts)}
+
+
+def classes_of(
+    ground: Ground, settings: Settings, counts: list[int], locked: list[Any] | None = None
+) -> list[Any]:
+    """A dapple.SampleClass for each class that the settings list, with so many samples."""
+    kinds = shrunk(settings, ground.surface).classes
+    return [
+        package().SampleClass(
+            count, radius=kind.radius, locked=kept, **ground.class_density(kind.density)
+        )
+        for count, kept, kind in zip(counts, locked or [None] * len(counts), kinds, strict=True)
+    ]
+
+
+def _counts_of(classes: Ints, settings: Settings) -> list[int]:
+    found = np.bincount(classes, minlength=len(settings.classes)).tolist()
+    if len(found) > len(settings.classes):
+        raise ScatterError(
+            f"There are points of object type {len(found)}, the list has {len(settings.classes)}: "
+            "optimize the scatter"
+        )
+    return found

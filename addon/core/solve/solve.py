@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solving: calls of the native package, arrays in and bindings out."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.native import named, package
+from ..density.ground import Ground, ground_of, shares
+from ..settings.values import Settings
+from ..surface.arrays import Floats, Ints, SurfaceArrays
+from ..surface.binding import binding_of, bound_nearest
+from ..surface.records import Binding, Columns, own_random
+from .class_counts import sampled, shrunk
+from .clearance import rooms
+from .figures import Details, details_of
+from .forward import pointing
+from .locked import Locked, kept_ids, rows_of
+
+
+@dataclass(frozen=True)
+class Report:
+    """Figures of a result that the panel shows."""
+
+    count: int = 0
+    spacing: float = 0.0
+    alpha_min: float = 0.0
+    alpha_mean: float = 0.0
+    capacity_variation: float = 0.0
+    whole_count_variation: float = 0.0  # share caused by integer counts on separate parts
+    thin_share: float = 0.0  # of the points: those on parts thinner than the spacing
+    doubled_faces: int = 0  # of the surface, which do not count
+    evaluations: int = 0
+    milliseconds: float = 0.0
+    converged: bool = False
+    key_error_max: float = 0.0  # of frames without a key, in spacings; see keys.py
+    key_error_mean: float = 0.0
+    worst_overlap: float = 0.0  # of instances with radii; 0: none overlap
+    overlap_first: int = -1  # ids of the two points that do most
+    overlap_second: int = -1
+    overlap_frame: int = 0  # of a bake, in which they do
+    measured: bool = True  # whether spacing and areas are of these points; else of some before
+
+    def of_ids(self, ids: Ints) -> "Report":
+        """With ids in place of the rows that the native package returns."""
+        rows = (self.overlap_first, self.overlap_second)
+        first, second = (int(ids[row]) if 0 <= row < len(ids) else -1 for row in rows)
+        return replace(self, overlap_first=first, overlap_second=second)
+
+
+@dataclass(frozen=True)
+class Scattered:
+    """A solved scatter, ready to be stored."""
+
+    positions: Floats
+    binding: Binding
+    columns: Columns  # named as in POINT_ATTRIBUTES and ADDED_ATTRIBUTES
+    report: Report
+    details: Details = field(default_factory=Details)
+    settings: Settings = field(default_factory=Settings)  # that it was solved with
+    capacity: float = 0.0  # integral of the density over the surface
+    solved: "Solved | None" = None  # what points can be kept with: incremental.py
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A solution in the terms of the native package."""
+
+    arrays: SurfaceArrays
+    ground: Ground
+    samples: Any  # dapple.Samples of the ground
+
+
+def scatter(
+    arrays: SurfaceArrays, settings: Settings, context: Any, locked: Locked | None = None
+) -> Scattered:
+    """Scatter points over a surface as it stands, around those that are locked."""
+    with named(arrays.name):
+        ground = ground_of(arrays, settings)
+        fine = sampled(ground, settings, context, locked)
+        samples = ground.to_original(fine)
+        ranks = package().progressive_ranks(fine.positions, fine.classes)
+    ids = samples.ids if locked is None else kept_ids(locked, samples.classes)
+    columns = point_columns(ids, samples.classes, settings.seed)
+    if locked is not None:
+        columns["dapple_locked"][rows_of(locked, samples.classes)] = True
+    density = ground.density_at(fine)
+    columns["dapple_density"] = shares(ground, density)
+    columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
+    sized = shrunk(settings, ground.surface)
+    columns["dapple_room"] = rooms(fine.positions, samples.classes, sized)
+    binding = pointing(binding_of(samples, arrays), arrays, settings.forward)
+    positions = np.asarray(samples.positions)
+    report = replace(
+        report_of(samples.report).of_ids(ids), doubled_faces=ground.original.doubled_faces
+    )
+    details = details_of(fine, density)
+    capacity, solved = float(ground.surface.capacity), Solved(arrays, ground, fine)
+    return Scattered(positions, binding, columns, report, details, settings, capacity, solved)
+
+
+def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
+    """What each point owns whatever its place."""
+    return {
+        "id": ids,
+        "dapple_class": classes,
+        "dapple_density": np.ones(len(ids)),
+        "dapple_scale": own_random(seed, ids, 0),
+        "dapple_turn": own_random(seed, ids, 1) * 2.0 * np.pi,
+        "dapple_rank": own_random(seed, ids, 4),
+        "dapple_room": np.zeros(len(ids)),
+        "dapple_locked": np.zeros(len(ids), dtype=bool),
+    }
+
+
+def with_own_ids(columns: Columns, new: NDArray[np.bool_], seed: int) -> Columns:
+    """Point columns, the new points with ids that were not there and what hangs on an id."""
+    first = int(np.max(columns["id"], initial=-1)) + 1
+    ids = np.arange(first, first + int(new.sum()), dtype=np.int32)
+    own = point_columns(ids, columns["dapple_class"][new], seed)
+    joined = {name: values.copy() for name, values in columns.items()}
+    for name, values in joined.items():
+        values[new] = own[name]
+    return joined
+
+
+def nearest_binding(points: Floats, surface: SurfaceArrays) -> Binding:
+    """Binding of points (n, 3) to the nearest places of a surface; errors name it."""
+    with named(surface.name):
+        return bound_nearest(points, surface)
+
+
+def report_of(report: Any) -> Report:
+    """The shown part of a dapple.Report."""
+    names = ("count", "spacing", "alpha_min", "alpha_mean", "capacity_variation", "evaluations")
+    shown = {
+        name: getattr(report, name) for name in (*names, "whole_count_variation", "thin_share")
+    }
+    first, second = report.overlapping
+    return Report(
+        milliseconds=1000.0 * report.seconds,
+        converged=report.converged,
+        worst_overlap=report.worst_overlap,
+        overlap_first=first,
+        overlap_second=second,
+        **shown,
+    )

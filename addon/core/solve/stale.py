@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Does what is stored still fit what is there? Settings by value, motion by sketches.
+
+A sketch of a surface is a few sums of its vertices with random signs: cheap to take, small to
+keep for each frame, and some sum changes by about 1 / sqrt(v) of what a vertex moves. It is taken
+in the object's own axes, with its scale: a bake fits an object that was moved or turned as a whole.
+"""
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from ..settings.density_table import DENSITY
+from ..settings.descriptors import DATA_BLOCKS, Changes, Kind
+from ..settings.solver_options import MOTION, SAMPLE
+from ..settings.values import BakeSettings, Settings
+from ..surface.arrays import Floats, SurfaceArrays, turn_of
+from ..surface.records import own_random
+
+SKETCH_SUMS = 3
+# Options that change no solution: of a bake alone, or of no result.
+_APART = [one.name for one in (*SAMPLE, *MOTION) if one.changes is not Changes.SOLUTION]
+_NAMES = [setting.name for setting in DENSITY if setting.kind in {Kind.VALUES, *DATA_BLOCKS}]
+_COMPARED_ELSEWHERE = [setting.name for setting in DENSITY if setting.kind is Kind.UV_MAP]
+_UNDER = {setting.name: setting.under for setting in DENSITY if setting.under}
+_VERTICES = 4096  # so many are looked at, evenly spread over their indices
+_TOLERANCE = 1e-5  # of the sketched vertices' extent: evaluation on another machine may differ
+
+
+def settings_text(settings: Settings | BakeSettings) -> str:
+    """Settings as they are stored with a result."""
+    return json.dumps(_plain(settings), sort_keys=True)
+
+
+def changed_settings(stored: str, now: Settings) -> list[str]:
+    """Names of the settings of the solution that are not as stored.
+
+    Those that name data of the file count only as given or not: sources.py compares what they
+    stand for. Those that another setting leaves without effect do not count.
+    """
+    before, defaults = _read(stored), _plain(Settings())
+    if "count" in before:  # a setting that is not there is newer: solved as with its default
+        before = defaults | before
+        if isinstance(before["density"], dict):
+            before["density"] = defaults["density"] | before["density"]
+    wanted = {name: value for name, value in _plain(now).items() if name not in _APART}
+    known = _of_effect(before)
+    return [
+        name
+        for name, value in _of_effect(wanted).items()
+        if name not in before or known[name] != value
+    ]
+
+
+def changed_baking(stored: str, now: BakeSettings) -> list[str]:
+    """Names of the settings of the bake alone that are not as stored."""
+    before = _read(stored)
+    return [name for name, value in _plain(now).items() if name in before and before[name] != value]
+
+
+def _read(stored: str) -> dict[str, Any]:
+    try:
+        values = json.loads(stored)
+    except (ValueError, RecursionError):
+        return {}
+    if not isinstance(values, dict):
+        return {}
+    return _rounded(values)
+
+
+def _plain(settings: Settings | BakeSettings) -> dict[str, Any]:
+    """Settings as JSON holds them."""
+    values: dict[str, Any] = _rounded(json.loads(json.dumps(asdict(settings))))
+    return values
+
+
+def _rounded(value: Any) -> Any:
+    """With numbers in the single precision in which properties keep them."""
+    if isinstance(value, dict):
+        return {name: _rounded(one) for name, one in value.items()}
+    if isinstance(value, list):
+        return [_rounded(one) for one in value]
+    return float(np.float32(value)) if isinstance(value, float) else value
+
+
+def _of_effect(values: dict[str, Any]) -> dict[str, Any]:
+    """Without what does not change a solution: names, the count beside points per area, ..."""
+    found = dict(values)
+    if found.get("per_area"):
+        found["count"] = 0
+    if isinstance(found.get("density"), dict):
+        found["density"] = _terms(found["density"])
+    if isinstance(found.get("classes"), list):
+        found["classes"] = [_solved_class(one) for one in found["classes"]]
+    return found
+
+
+def _terms(density: dict[str, Any]) -> dict[str, Any]:
+    found = dict(density)
+    for name in _NAMES:
+        found[name] = bool(found[name])
+    for name, switch in _UNDER.items():
+        if not found[switch] or name in _COMPARED_ELSEWHERE:
+            found[name] = None
+    return found
+
+
+def _solved_class(kind: Any) -> Any:
+    """Without its names, and without what the size of instances alone comes from."""
+    if not isinstance(kind, dict):
+        return kind
+    own = {name: value for name, value in kind.items() if name != "most_room"}
+    more = {"density": bool(kind.get("density")), "shrinks": bool(kind.get("shrinks"))}
+    return own | more
+
+
+def sketch(surface: SurfaceArrays) -> Floats:
+    """Sums (SKETCH_SUMS, 3) of the vertices."""
+    seen = _seen(surface)
+    ids = np.arange(len(seen), dtype=np.int32)
+    signs = [np.where(own_random(0, ids, k) < 0.5, -1.0, 1.0) for k in range(SKETCH_SUMS)]
+    return np.array(signs) @ seen / np.sqrt(max(len(seen), 1))
+
+
+@dataclass(frozen=True)
+class Sketched:
+    """A surface for moved(), without its arrays."""
+
+    sums: Floats
+    extent: float
+
+
+def sketched(surface: SurfaceArrays) -> Sketched:
+    """What moved() looks at."""
+    seen = _seen(surface)
+    extent = float(np.linalg.norm(np.ptp(seen, axis=0))) if len(seen) else 0.0
+    return Sketched(sketch(surface), extent)
+
+
+def moved(stored: Floats, surface: SurfaceArrays | Sketched) -> bool:
+    """Whether a surface is not the one that was sketched."""
+    now = surface if isinstance(surface, Sketched) else sketched(surface)
+    return not np.abs(now.sums - stored).max() <= _TOLERANCE * now.extent
+
+
+def _seen(surface: SurfaceArrays) -> Floats:
+    """Some of the vertices, relative to the object's origin and turned back by its rotation."""
+    count = len(surface.vertices)
+    chosen = np.unique(np.linspace(0, count - 1, min(count, _VERTICES)).astype(np.int64))
+    return (surface.vertices[chosen] - surface.matrix[:3, 3]) @ turn_of(surface.matrix)
