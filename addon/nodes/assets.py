@@ -3,12 +3,11 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from types import ModuleType
 
 import bpy
 
 from . import bound_point, detail, instances, points, rest_point, viewport
-from .groups import ensure
+from .groups import Group, ensure
 from .scatter import GROUP_NAME, ensure_group
 
 CATALOG = "f8f09e78-8d7a-4b5c-9bdd-e3485973ed0f"  # as in assets/blender_assets.cats.txt
@@ -22,12 +21,12 @@ class Asset:
 
     description: str
     tags: tuple[str, ...]
-    part: ModuleType | None = None
+    part: Group | None = None
 
     @property
     def name(self) -> str:
         """Of the node group."""
-        return self.part.NAME if self.part else GROUP_NAME
+        return self.part.name if self.part else GROUP_NAME
 
     def build(self) -> bpy.types.NodeTree:
         """The group in the open file, built if there is none."""
@@ -44,34 +43,34 @@ ASSETS = (
         "Plays the points of a scatter on its surface: positions, and the attributes rotation, "
         "scale and fade",
         ("scatter", "points", "blue noise"),
-        points,
+        points.POINTS,
     ),
     Asset(
         "Instances an object, or random objects of a collection, on points, which may carry "
         "rotation, scale, fade and dapple_class",
         ("instances",),
-        instances,
+        instances.INSTANCES,
     ),
     Asset(
         "Hides a fraction of a scatter's points in the viewport; the others stay even",
         ("points", "viewport"),
-        viewport,
+        viewport.VIEWPORT,
     ),
     Asset(
         "Shows fewer of a scatter's points far from the camera and outside its view; the others "
         "stay even",
         ("points", "camera", "level of detail"),
-        detail,
+        detail.DETAIL,
     ),
     Asset(
         "Position and rotation of a place in a triangle of a surface, as it is now",
         ("surface", "position", "rotation"),
-        bound_point,
+        bound_point.BOUND_POINT,
     ),
     Asset(
         "Position and rotation of a place of a surface's rest_position, as the surface is now",
         ("surface", "position", "rotation"),
-        rest_point,
+        rest_point.REST_POINT,
     ),
 )
 

@@ -6,10 +6,9 @@ import bpy
 from ..core.surface.frames import LEAST_HEIGHT
 from . import standing
 from .builder import Builder, Socket, new_group
-from .groups import inner
+from .groups import Group, inner
 from .shading import NORMAL
 
-NAME = "Dapple Bound Place"
 SHADING = [
     ("Unmoved", "NodeSocketGeometry"),
     ("Hard", "NodeSocketBool"),
@@ -19,13 +18,13 @@ SHADING = [
 ]
 
 
-def build() -> bpy.types.NodeTree:
+def _build_bound_place() -> bpy.types.NodeTree:
     """New group; the vertices V0 to V2, the face corners C0 to C2 there, their weights W0 to W2 and
     Turn are fields (core/surface), Hard and Shaded what shading.py says of Unmoved. That is the
     surface in its own space, which Normals turns normals from where Surface is sheared.
     """
     tree = new_group(
-        NAME,
+        BOUND_PLACE.name,
         [
             ("Surface", "NodeSocketGeometry"),
             *SHADING,
@@ -48,9 +47,12 @@ def build() -> bpy.types.NodeTree:
     b.output("Position", b.vector("ADD", positions[0], along))
     normal = b.vector("NORMALIZE", normal)
     feeds = (normal, _ahead(b, first, second, normal), b.input("Turn"), b.input("Side"))
-    b.output("Rotation", inner(b, standing, *feeds).outputs["Rotation"])
+    b.output("Rotation", inner(b, standing.STANDING, *feeds).outputs["Rotation"])
     b.arrange()
     return tree
+
+
+BOUND_PLACE = Group("Dapple Bound Place", _build_bound_place)
 
 
 def _at_vertices(b: Builder, name: str, field: Socket) -> list[Socket]:

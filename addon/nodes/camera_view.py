@@ -13,8 +13,8 @@ import re
 import bpy
 
 from .builder import Builder, Socket, new_group
+from .groups import Group
 
-NAME = "Dapple Camera View"
 # What the expressions call a property of the scene, and what it is where there is no camera.
 _VARIABLES = {
     "kind": ("camera.data.type", -1.0),  # 0 perspective, 1 orthographic; others have no frame
@@ -32,14 +32,14 @@ _HALF = "(size/2 if kind==1 else tan(angle/2))"  # at distance 1, of the side th
 _SIDE = "(y*v if fit==2 else x*u if fit==1 else max(x*u,y*v))"
 
 
-def build() -> bpy.types.NodeTree:
+def _build_camera_view() -> bpy.types.NodeTree:
     """New group: a point's Distance from the camera, and how far it is Outside of the view.
 
     Kind is below 0 where there is no camera. Within the view, and for cameras that have no frame,
     Outside is at most 0. For an orthographic camera all points are equally near.
     """
     outputs = [(name, "NodeSocketFloat") for name in ("Distance", "Outside", "Kind")]
-    tree = new_group(NAME, [], outputs)
+    tree = new_group(CAMERA_VIEW.name, [], outputs)
     b = Builder(tree)
     seen, kind = _seen(b), _driven(b, "Kind", "kind")
     x, y, z = b.parts(seen)
@@ -54,6 +54,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Kind", kind)
     b.arrange()
     return tree
+
+
+CAMERA_VIEW = Group("Dapple Camera View", _build_camera_view)
 
 
 def _seen(b: Builder) -> Socket:

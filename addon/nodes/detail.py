@@ -10,9 +10,8 @@ import bpy
 
 from . import camera_view
 from .builder import Builder, Socket, new_group
-from .groups import inner
+from .groups import Group, inner
 
-NAME = "Dapple Level of Detail"
 INPUTS = [
     ("Detail in Viewport", "NodeSocketBool"),
     ("Detail in Renders", "NodeSocketBool"),
@@ -26,12 +25,12 @@ INPUTS = [
 _TINY = 1e-6
 
 
-def build() -> bpy.types.NodeTree:
+def _build_detail() -> bpy.types.NodeTree:
     """New group; Hidden is the share that the viewport hides anyway, as Dapple Viewport does."""
     geometry = [("Points", "NodeSocketGeometry")]
-    tree = new_group(NAME, [*geometry, *INPUTS, ("Hidden", "NodeSocketFloat")], geometry)
+    tree = new_group(DETAIL.name, [*geometry, *INPUTS, ("Hidden", "NodeSocketFloat")], geometry)
     b = Builder(tree)
-    viewport, view = b.out("GeometryNodeIsViewport"), inner(b, camera_view)
+    viewport, view = b.out("GeometryNodeIsViewport"), inner(b, camera_view.CAMERA_VIEW)
     where = (b.input(f"Detail in {name}") for name in ("Renders", "Viewport"))
     camera = b.compare("GREATER_EQUAL", view.outputs["Kind"], 0.0, "FLOAT")
     used = b.boolean("AND", b.switch("BOOLEAN", viewport, *where), camera)
@@ -41,6 +40,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Points", b.switch("GEOMETRY", used, b.input("Points"), _left(b, size, near)))
     b.arrange()
     return tree
+
+
+DETAIL = Group("Dapple Level of Detail", _build_detail)
 
 
 def _left(b: Builder, size: Socket, near: Socket) -> Socket:

@@ -6,17 +6,16 @@ from typing import Any
 import bpy
 
 from .builder import Builder, Socket, new_group
+from .groups import Group
 
-NAME = "Dapple Fit"
 
-
-def build() -> bpy.types.NodeTree:
+def _build_fit() -> bpy.types.NodeTree:
     """New group; Warning is the add-on's own warning, which hides nothing.
 
     On a surface without faces there is no point; in a bake that is no reason to warn.
     """
     tree = new_group(
-        NAME,
+        FIT.name,
         [
             ("Vertices", "NodeSocketInt"),
             ("Faces", "NodeSocketInt"),
@@ -51,6 +50,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Fits", b.boolean("NOR", hidden, b.boolean("AND", said, hidden)))
     b.arrange()
     return tree
+
+
+FIT = Group("Dapple Fit", _build_fit)
 
 
 def _differs(b: Builder, number: Socket, asked: Socket) -> Socket:

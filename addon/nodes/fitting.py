@@ -8,17 +8,16 @@ it is turned about it.
 import bpy
 
 from .builder import Builder, Socket, new_group
+from .groups import Group
 
-NAME = "Dapple Fitting"
 
-
-def build() -> bpy.types.NodeTree:
+def _build_fitting() -> bpy.types.NodeTree:
     """New group; Fit is the share of it, as an exponent: with 0.5 a radius of 4 becomes 2.
 
     What has no vertices keeps its size, as there is nothing to fit.
     """
     geometry = [("Instances", "NodeSocketGeometry")]
-    tree = new_group(NAME, [*geometry, ("Fit", "NodeSocketFloat")], geometry)
+    tree = new_group(FITTING.name, [*geometry, ("Fit", "NodeSocketFloat")], geometry)
     b = Builder(tree)
     shape = b.input("Instances")
     loose = b.compare("EQUAL", b.count(shape, "INSTANCES"), 0)
@@ -30,6 +29,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Instances", b.out("GeometryNodeScaleInstances", measured, True, factor))
     b.arrange()
     return tree
+
+
+FITTING = Group("Dapple Fitting", _build_fitting)
 
 
 def _radius(b: Builder, element: Socket, _index: Socket) -> Socket:

@@ -5,7 +5,8 @@ Blender looks through a whole tree at each of its edits, so a tree of n nodes ta
 build: many small groups are built many times faster than one.
 """
 
-from types import ModuleType
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import bpy
 
@@ -22,17 +23,25 @@ def version_of(group: bpy.types.NodeTree | None) -> int:
     return found if isinstance(found, int) else 0
 
 
-def inner(b: Builder, part: ModuleType, *feeds: object) -> bpy.types.Node:
-    """A node with the group that a module builds; feeds go to its inputs in their order."""
+@dataclass(frozen=True)
+class Group:
+    """A node group: its name in the file, and what builds it."""
+
+    name: str
+    build: Callable[[], bpy.types.NodeTree]
+
+
+def inner(b: Builder, part: Group, *feeds: object) -> bpy.types.Node:
+    """A node with the group; feeds go to its inputs in their order."""
     return b.group(ensure(part), *feeds)
 
 
-def ensure(part: ModuleType) -> bpy.types.NodeTree:
-    """The group that a module builds, as it is in the open file, built if there is none."""
+def ensure(part: Group) -> bpy.types.NodeTree:
+    """The group as it is in the open file, built if there is none."""
     for group in bpy.data.node_groups:
-        known = group.get(VERSION_KEY) == -VERSION and group.get(_PART_KEY) == part.NAME
+        known = group.get(VERSION_KEY) == -VERSION and group.get(_PART_KEY) == part.name
         if known and group.library is None:
             return group
     group = part.build()
-    group[VERSION_KEY], group[_PART_KEY] = -VERSION, part.NAME
+    group[VERSION_KEY], group[_PART_KEY] = -VERSION, part.name
     return group

@@ -5,15 +5,13 @@ import bpy
 
 from . import placed_part
 from .builder import Builder, new_group
-from .groups import inner
-
-NAME = "Dapple Instanced Part"
+from .groups import Group, inner
 
 
-def build() -> bpy.types.NodeTree:
+def _build_instanced_part() -> bpy.types.NodeTree:
     """New group; Frame is from the space of the collection to that of the joined surface."""
     tree = new_group(
-        NAME,
+        INSTANCED_PART.name,
         [("Object", "NodeSocketObject"), ("Frame", "NodeSocketMatrix"), *placed_part.REST_INPUTS],
         [("Geometry", "NodeSocketGeometry")],
     )
@@ -21,7 +19,10 @@ def build() -> bpy.types.NodeTree:
     own = b.node("GeometryNodeObjectInfo", b.input("Object"), transform_space="ORIGINAL")
     place = b.out("FunctionNodeMatrixMultiply", b.input("Frame"), own.outputs["Transform"])
     rest = [b.input(name) for name, _ in placed_part.REST_INPUTS]
-    placed = inner(b, placed_part, own.outputs["Geometry"], place, *rest)
+    placed = inner(b, placed_part.PLACED_PART, own.outputs["Geometry"], place, *rest)
     b.output("Geometry", placed.outputs["Geometry"])
     b.arrange()
     return tree
+
+
+INSTANCED_PART = Group("Dapple Instanced Part", _build_instanced_part)

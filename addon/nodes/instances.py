@@ -5,19 +5,17 @@ import bpy
 
 from . import fitting, weighted
 from .builder import Builder, Socket, new_group
-from .groups import inner
-
-NAME = "Dapple Instances"
+from .groups import Group, inner
 
 
-def build() -> bpy.types.NodeTree:
+def _build_instances() -> bpy.types.NodeTree:
     """New group: random objects of the collection, or the object; a small cone without any.
 
     Instances are on the points of a class, or on all if it is below 0, that are there. Points of
     others, without `fade` or `scale`, are all there, with instances of their own size.
     """
     tree = new_group(
-        NAME,
+        INSTANCES.name,
         [
             ("Points", "NodeSocketGeometry"),
             ("Class", "NodeSocketInt"),
@@ -36,7 +34,7 @@ def build() -> bpy.types.NodeTree:
     some = b.compare("GREATER_THAN", count, 0)
     shape = b.switch("GEOMETRY", some, _one(b), several)
     fits = b.compare("GREATER_THAN", b.input("Fit"), 0.0, "FLOAT")
-    fitted = inner(b, fitting, shape, b.input("Fit")).outputs[0]
+    fitted = inner(b, fitting.FITTING, shape, b.input("Fit")).outputs[0]
     pool = b.switch("GEOMETRY", fits, shape, fitted)
     pool = _repeated(b, pool, count, some)
     placed = b.out(
@@ -54,6 +52,9 @@ def build() -> bpy.types.NodeTree:
     return tree
 
 
+INSTANCES = Group("Dapple Instances", _build_instances)
+
+
 def _chosen(b: Builder) -> Socket:
     fade = b.attribute_or("fade", "FLOAT", "FLOAT", 1.0)
     there = b.compare("GREATER_THAN", fade, 0.0, "FLOAT")
@@ -65,9 +66,9 @@ def _chosen(b: Builder) -> Socket:
 def _repeated(b: Builder, pool: Socket, count: Socket, some: Socket) -> Socket:
     """Objects of a collection as often as their weights say, if these are those of as many."""
     length = b.out("FunctionNodeStringLength", b.input("Weights"))
-    fitting = b.compare("EQUAL", length, b.integer("MULTIPLY", count, weighted.WIDTH))
-    weighs = b.boolean("AND", some, fitting)
-    often = inner(b, weighted, pool, b.input("Weights")).outputs[0]
+    fits = b.compare("EQUAL", length, b.integer("MULTIPLY", count, weighted.WIDTH))
+    weighs = b.boolean("AND", some, fits)
+    often = inner(b, weighted.WEIGHTED, pool, b.input("Weights")).outputs[0]
     return b.switch("GEOMETRY", weighs, pool, often)
 
 

@@ -48,8 +48,8 @@ def build(name: str, joined: list[Joined]) -> bpy.types.NodeTree:
 def _mesh(b: Builder, one: Joined, frame: Socket | None) -> Socket:
     rest = (one.rest_scale, one.rest_shift)
     if frame is None:
-        return inner(b, part, one.object, *rest).outputs["Geometry"]
-    return inner(b, instanced_part, one.object, frame, *rest).outputs["Geometry"]
+        return inner(b, part.PART, one.object, *rest).outputs["Geometry"]
+    return inner(b, instanced_part.INSTANCED_PART, one.object, frame, *rest).outputs["Geometry"]
 
 
 def _frame(b: Builder, one: Joined, around: Socket | None) -> Socket:

@@ -12,9 +12,8 @@ import bpy
 
 from . import bound_place, rest_place
 from .builder import Builder, Socket, new_group
-from .groups import inner
+from .groups import Group, inner
 
-NAME = "Dapple Key Point"
 _CORNERS = [f"dapple_{kind}{k}" for kind in "vc" for k in range(3)]
 
 
@@ -35,10 +34,10 @@ class _Bound:
         return [*self.corners, *self.weights, self.carry, self.gone, self.room]
 
 
-def build() -> bpy.types.NodeTree:
+def _build_key_point() -> bpy.types.NodeTree:
     """New group; Points is their number, Turn an angle that is added to the one carried."""
     tree = new_group(
-        NAME,
+        KEY_POINT.name,
         [
             ("Surface", "NodeSocketGeometry"),
             *bound_place.SHADING,
@@ -63,7 +62,7 @@ def build() -> bpy.types.NodeTree:
     turn = b.number("ADD", bound.carry, b.input("Turn"))
     shading = (b.input(name) for name, _ in bound_place.SHADING)
     feeds = (b.input("Surface"), *shading, *bound.corners, *bound.weights, turn, 1.0)
-    on_faces, at_rest = inner(b, bound_place, *feeds), _at_rest(b, of_key)
+    on_faces, at_rest = inner(b, bound_place.BOUND_PLACE, *feeds), _at_rest(b, of_key)
     position, rotation = (
         b.switch(kind, b.input("Resting"), on_faces.outputs[name], at_rest.outputs[name])
         for kind, name in (("VECTOR", "Position"), ("ROTATION", "Rotation"))
@@ -74,6 +73,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Room", bound.room)
     b.arrange()
     return tree
+
+
+KEY_POINT = Group("Dapple Key Point", _build_key_point)
 
 
 def _own(b: Builder) -> _Bound:
@@ -137,7 +139,7 @@ def _at_rest(b: Builder, key: _Bound) -> bpy.types.Node:
     # What points ahead of a point itself is turned already.
     turn = b.number("ADD", b.switch("FLOAT", baked, 0.0, key.carry), b.input("Turn"))
     feeds = (*places, part, b.input("Parts"), turn, 1.0)
-    return inner(b, rest_place, b.input("Shape"), b.input("Normals"), *feeds)
+    return inner(b, rest_place.REST_PLACE, b.input("Shape"), b.input("Normals"), *feeds)
 
 
 def _row(b: Builder) -> Socket:

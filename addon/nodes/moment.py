@@ -7,11 +7,10 @@ Integers count frames and keys: floats run out of digits beyond 2^24 of them.
 import bpy
 
 from .builder import Builder, Socket, new_group
+from .groups import Group
 
-NAME = "Dapple Moment"
 
-
-def build() -> bpy.types.NodeTree:
+def _build_moment() -> bpy.types.NodeTree:
     """New group; before the first and after the last frame, those hold.
 
     Fraction is the share of the second key. Where the topology changes between two frames, the
@@ -19,7 +18,7 @@ def build() -> bpy.types.NodeTree:
     whose number it is. Bound to the rest position, points are on any surface, and are mixed.
     """
     tree = new_group(
-        NAME,
+        MOMENT.name,
         [
             ("Frames", "NodeSocketGeometry"),
             ("First Frame", "NodeSocketInt"),
@@ -49,6 +48,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Vertices", _at(b, "vertices", frame))
     b.arrange()
     return tree
+
+
+MOMENT = Group("Dapple Moment", _build_moment)
 
 
 def _frame(b: Builder) -> tuple[Socket, Socket]:

@@ -8,16 +8,15 @@ for all points, what changes nothing is left out further on, and no point has to
 import bpy
 
 from .builder import Builder, new_group
+from .groups import Group
 from .points import NUMBERS
 
-NAME = "Dapple Class"
 
-
-def build() -> bpy.types.NodeTree:
+def _build_of_class() -> bpy.types.NodeTree:
     """New group; for each of NUMBERS the field so far, the first class's and this one's."""
     sockets = (f"{name}{which}" for name in NUMBERS for which in (" So Far", " First", ""))
     inputs = [("Class", "NodeSocketInt"), *((name, "NodeSocketFloat") for name in sockets)]
-    tree = new_group(NAME, inputs, [(name, "NodeSocketFloat") for name in NUMBERS])
+    tree = new_group(OF_CLASS.name, inputs, [(name, "NodeSocketFloat") for name in NUMBERS])
     b = Builder(tree)
     here = b.compare("EQUAL", b.attribute("dapple_class", "INT"), b.input("Class"))
     for name in NUMBERS:
@@ -26,3 +25,6 @@ def build() -> bpy.types.NodeTree:
         b.output(name, b.switch("FLOAT", other, before, b.switch("FLOAT", here, before, own)))
     b.arrange()
     return tree
+
+
+OF_CLASS = Group("Dapple Class", _build_of_class)

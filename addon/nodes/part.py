@@ -5,15 +5,13 @@ import bpy
 
 from . import placed_part
 from .builder import Builder, new_group
-from .groups import inner
-
-NAME = "Dapple Part"
+from .groups import Group, inner
 
 
-def build() -> bpy.types.NodeTree:
+def _build_part() -> bpy.types.NodeTree:
     """New group."""
     tree = new_group(
-        NAME,
+        PART.name,
         [("Object", "NodeSocketObject"), *placed_part.REST_INPUTS],
         [("Geometry", "NodeSocketGeometry")],
     )
@@ -22,6 +20,9 @@ def build() -> bpy.types.NodeTree:
     own = b.node("GeometryNodeObjectInfo", b.input("Object"), transform_space="ORIGINAL")
     rest = [b.input(name) for name, _ in placed_part.REST_INPUTS]
     feeds = (own.outputs["Geometry"], here.outputs["Transform"], *rest)
-    b.output("Geometry", inner(b, placed_part, *feeds).outputs["Geometry"])
+    b.output("Geometry", inner(b, placed_part.PLACED_PART, *feeds).outputs["Geometry"])
     b.arrange()
     return tree
+
+
+PART = Group("Dapple Part", _build_part)

@@ -9,15 +9,15 @@ are copies of each other have the same.
 import bpy
 
 from .builder import Builder, Socket, new_group
+from .groups import Group
 
-NAME = "Dapple Placed Part"
 REST_INPUTS = [("Rest Scale", "NodeSocketFloat"), ("Rest Shift", "NodeSocketVector")]
 
 
-def build() -> bpy.types.NodeTree:
+def _build_placed_part() -> bpy.types.NodeTree:
     """New group; Matrix is from the part's own space to that of the joined surface."""
     tree = new_group(
-        NAME,
+        PLACED_PART.name,
         [("Geometry", "NodeSocketGeometry"), ("Matrix", "NodeSocketMatrix"), *REST_INPUTS],
         [("Geometry", "NodeSocketGeometry")],
     )
@@ -32,6 +32,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Geometry", b.out("GeometryNodeFlipFaces", mesh, mirrored))
     b.arrange()
     return tree
+
+
+PLACED_PART = Group("Dapple Placed Part", _build_placed_part)
 
 
 def _rest(b: Builder, position: Socket) -> Socket:

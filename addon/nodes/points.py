@@ -7,9 +7,8 @@ import bpy
 
 from . import fit, key_point, moment, posture, rest_shape, shading, surface
 from .builder import Builder, Socket, new_group
-from .groups import inner
+from .groups import Group, inner
 
-NAME = "Dapple Points"
 INPUTS = [
     ("Geometry", "NodeSocketGeometry"),
     ("Surface", "NodeSocketObject"),
@@ -40,15 +39,15 @@ NUMBERS = (
 )
 
 
-def build() -> bpy.types.NodeTree:
+def _build_points() -> bpy.types.NodeTree:
     """New group; NUMBERS are fields. The points get `rotation`, `fade` and `scale`.
 
     There are no points, but a warning, when what is stored does not fit the surface.
     """
     numbers = [(name, "NodeSocketFloat") for name in NUMBERS]
-    tree = new_group(NAME, INPUTS + numbers, [("Geometry", "NodeSocketGeometry")])
+    tree = new_group(POINTS.name, INPUTS + numbers, [("Geometry", "NodeSocketGeometry")])
     b = Builder(tree)
-    found = inner(b, surface, b.input("Surface"))
+    found = inner(b, surface.SURFACE, b.input("Surface"))
     played = _played(b, found.outputs["Geometry"], _shape(b, found))
     # What stands on the surface is turned once, by its own angle and the key's together.
     turn = b.attribute("dapple_turn", "FLOAT")
@@ -58,12 +57,15 @@ def build() -> bpy.types.NodeTree:
     position, rotation, gone, room = _placed(b, found, played, early)
     position, rotation = _moved(b, found, played, position, rotation)
     position = _lifted(b, position, rotation)
-    stood = inner(b, posture, rotation, turn, aligned, b.input("Align"), b.input("Tilt"))
+    stood = inner(b, posture.POSTURE, rotation, turn, aligned, b.input("Align"), b.input("Tilt"))
     points = _with_attributes(b, position, stood.outputs["Rotation"], gone)
     points = _with_room(b, points, played, room)
     b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
     b.arrange()
     return tree
+
+
+POINTS = Group("Dapple Points", _build_points)
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ class _Played:
 def _shape(b: Builder, found: bpy.types.Node) -> Socket:
     """The rest shape of the surface; places in its own space where it has no rest position."""
     feeds = (found.outputs["Unmoved"], found.outputs["Transform"])
-    return inner(b, rest_shape, *feeds).outputs["Shape"]
+    return inner(b, rest_shape.REST_SHAPE, *feeds).outputs["Shape"]
 
 
 def _played(b: Builder, geometry: Socket, shape: Socket) -> _Played:
@@ -95,11 +97,11 @@ def _played(b: Builder, geometry: Socket, shape: Socket) -> _Played:
     baked = b.compare("GREATER_THAN", b.count(keys), 0)
     live = _live(b, preview, count)
     rest, warning = b.input("Rest Binding"), b.input("Warning")
-    now = inner(b, moment, frames, b.input("First Frame"), vertices, rest)
+    now = inner(b, moment.MOMENT, frames, b.input("First Frame"), vertices, rest)
     bake = b.boolean("AND", baked, b.boolean("NOT", live))
     has = (vertices, b.count_faces(geometry))
     bound = (b.input("Surface Vertices"), now.outputs["Vertices"])
-    fits = inner(b, fit, *has, *bound, count, b.input("Key Points"), bake, rest, warning)
+    fits = inner(b, fit.FIT, *has, *bound, count, b.input("Key Points"), bake, rest, warning)
     faces = b.compare("EQUAL", vertices, b.input("Rest Vertices"))
     resting = b.boolean("AND", rest, b.boolean("NOR", live, faces))
     stored = (keys, triangles, preview, count, baked, live)
@@ -128,10 +130,10 @@ def _placed(b: Builder, found: bpy.types.Node, played: _Played, turn: Socket) ->
     now = played.moment.outputs
     switches = (played.baked, played.live, played.resting, played.shape, b.input("Rest Parts"))
     geometry, unmoved = found.outputs["Geometry"], found.outputs["Unmoved"]
-    shaded = (unmoved, *inner(b, shading, unmoved).outputs)
+    shaded = (unmoved, *inner(b, shading.SHADING, unmoved).outputs)
     turned = (found.outputs["Sheared"], found.outputs["Normals"])
     first, second = (
-        inner(b, key_point, geometry, *shaded, *turned, *stored, key, *switches, turn)
+        inner(b, key_point.KEY_POINT, geometry, *shaded, *turned, *stored, key, *switches, turn)
         for key in (now["First"], now["Second"])
     )
     fraction = now["Fraction"]

@@ -4,14 +4,13 @@
 import bpy
 
 from .builder import Builder, Socket, new_group
+from .groups import Group
 
-NAME = "Dapple Posture"
 
-
-def build() -> bpy.types.NodeTree:
+def _build_posture() -> bpy.types.NodeTree:
     """New group; where Align is 1, Rotation is turned already."""
     tree = new_group(
-        NAME,
+        POSTURE.name,
         [
             ("Rotation", "NodeSocketRotation"),
             ("Turn", "NodeSocketFloat"),
@@ -28,6 +27,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Rotation", b.switch("ROTATION", straight, _tilted(b, rotation), rotation))
     b.arrange()
     return tree
+
+
+POSTURE = Group("Dapple Posture", _build_posture)
 
 
 def _upright(b: Builder, rotation: Socket) -> Socket:

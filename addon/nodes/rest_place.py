@@ -5,12 +5,10 @@ import bpy
 
 from . import rest_shape, shading, standing
 from .builder import Builder, Socket, new_group
-from .groups import inner
-
-NAME = "Dapple Rest Place"
+from .groups import Group, inner
 
 
-def build() -> bpy.types.NodeTree:
+def _build_rest_place() -> bpy.types.NodeTree:
     """New group; X points from Start to Ahead, two places near Rest on the rest shape. Normals is
     applied to the normals that are found there.
 
@@ -18,7 +16,7 @@ def build() -> bpy.types.NodeTree:
     own part (core/surface/rest.py).
     """
     tree = new_group(
-        NAME,
+        REST_PLACE.name,
         [
             ("Shape", "NodeSocketGeometry"),
             ("Normals", "NodeSocketMatrix"),
@@ -36,9 +34,12 @@ def build() -> bpy.types.NodeTree:
     normal = b.out("FunctionNodeTransformDirection", normal, b.input("Normals"))
     normal = b.vector("NORMALIZE", normal)
     feeds = (normal, edge, b.input("Turn"), b.input("Side"))
-    b.output("Rotation", inner(b, standing, *feeds).outputs["Rotation"])
+    b.output("Rotation", inner(b, standing.STANDING, *feeds).outputs["Rotation"])
     b.arrange()
     return tree
+
+
+REST_PLACE = Group("Dapple Rest Place", _build_rest_place)
 
 
 def _found(b: Builder, name: str, where: str) -> Socket:

@@ -5,15 +5,13 @@ import bpy
 
 from . import rest_place, rest_shape
 from .builder import Builder, new_group
-from .groups import inner
-
-NAME = "Dapple Rest Point"
+from .groups import Group, inner
 
 
-def build() -> bpy.types.NodeTree:
+def _build_rest_point() -> bpy.types.NodeTree:
     """New group; Rest and Ahead are two near places of the rest shape (core/surface/rest.py)."""
     tree = new_group(
-        NAME,
+        REST_POINT.name,
         [
             ("Surface", "NodeSocketGeometry"),
             ("Rest", "NodeSocketVector"),
@@ -26,10 +24,13 @@ def build() -> bpy.types.NodeTree:
         [("Position", "NodeSocketVector"), ("Rotation", "NodeSocketRotation")],
     )
     b = Builder(tree)
-    shape = inner(b, rest_shape, b.input("Surface"), None).outputs["Shape"]
+    shape = inner(b, rest_shape.REST_SHAPE, b.input("Surface"), None).outputs["Shape"]
     names = ("Rest", "Rest", "Ahead", "Part", "Parts", "Turn", "Side")
-    placed = inner(b, rest_place, shape, None, *(b.input(name) for name in names))
+    placed = inner(b, rest_place.REST_PLACE, shape, None, *(b.input(name) for name in names))
     for name in ("Position", "Rotation"):
         b.output(name, placed.outputs[name])
     b.arrange()
     return tree
+
+
+REST_POINT = Group("Dapple Rest Point", _build_rest_point)

@@ -9,18 +9,17 @@ import bpy
 
 from . import shading
 from .builder import Builder, Socket, new_group
-from .groups import inner
+from .groups import Group, inner
 
-NAME = "Dapple Rest Shape"
 PLACE = "dapple_place"
 
 
-def build() -> bpy.types.NodeTree:
+def _build_rest_shape() -> bpy.types.NodeTree:
     """New group; Transform brings what is in the surface's own space to its place. A surface
     without rest positions is found by its positions in its own space.
     """
     tree = new_group(
-        NAME,
+        REST_SHAPE.name,
         [("Surface", "NodeSocketGeometry"), ("Transform", "NodeSocketMatrix")],
         [("Shape", "NodeSocketGeometry")],
     )
@@ -34,10 +33,13 @@ def build() -> bpy.types.NodeTree:
     return tree
 
 
+REST_SHAPE = Group("Dapple Rest Shape", _build_rest_shape)
+
+
 def _with_normals(b: Builder) -> Socket:
     """The surface with its normals, where it is not smooth everywhere those of the face corners."""
     surface = b.input("Surface")
-    hard, shaded = inner(b, shading, surface).outputs
+    hard, shaded = inner(b, shading.SHADING, surface).outputs
     normal = b.out("GeometryNodeInputNormal")
     smooth = b.store(surface, shading.NORMAL, normal, "FLOAT_VECTOR")
     return b.switch("GEOMETRY", hard, smooth, shaded)

@@ -79,10 +79,12 @@ def build(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree:
     b = Builder(tree)
     feeds = (*(b.input(name) for name, _ in points.INPUTS), *_numbers(b, kinds))
     hidden = b.input("Hidden")
-    shown = inner(b, viewport, inner(b, points, *feeds).outputs[0], hidden).outputs[0]
+    shown = inner(b, viewport.VIEWPORT, inner(b, points.POINTS, *feeds).outputs[0], hidden).outputs[
+        0
+    ]
     if detailed:
         asked = (b.input(name) for name, _ in DETAIL_INPUTS)
-        shown = inner(b, detail, shown, *asked, hidden).outputs[0]
+        shown = inner(b, detail.DETAIL, shown, *asked, hidden).outputs[0]
     b.output("Geometry", _displayed(b, shown, kinds))
     b.arrange()
     return tree
@@ -105,7 +107,7 @@ def _numbers(b: Builder, kinds: list[int | None]) -> list[Socket]:
     numbers = first
     for k, own in enumerate(others, 1):
         feeds = [socket for three in zip(numbers, first, own, strict=True) for socket in three]
-        numbers = list(inner(b, of_class, k, *feeds).outputs)
+        numbers = list(inner(b, of_class.OF_CLASS, k, *feeds).outputs)
     return numbers
 
 
@@ -124,4 +126,4 @@ def _instanced(b: Builder, placed: Socket, kind: int | None, boxes: Socket) -> S
     chosen = (b.input(input_name(name, kind)) for name in ("Instance", "Collection"))
     of, spacing = -1 if kind is None else kind, b.input("Spacing")
     sized = (b.input(input_name(name, kind)) for name in ("Fit", "Weights"))
-    return inner(b, instances, placed, of, *chosen, spacing, boxes, *sized).outputs[0]
+    return inner(b, instances.INSTANCES, placed, of, *chosen, spacing, boxes, *sized).outputs[0]

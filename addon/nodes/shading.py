@@ -10,18 +10,18 @@ not known. Which of both it is is tried out on a cube, as a file may be opened i
 import bpy
 
 from .builder import Builder, Socket, new_group
+from .groups import Group
 
-NAME = "Dapple Shading"
 NORMAL = "dapple_normal"
 _MOST = 0.9  # of a coordinate: at the corner of a smooth cube it is 0.58, on its faces 1
 
 
-def build() -> bpy.types.NodeTree:
+def _build_shading() -> bpy.types.NodeTree:
     """New group; Hard is whether corners differ. The normals of a smooth surface are those of its
     vertices; Shaded then only takes longer.
     """
     tree = new_group(
-        NAME,
+        SHADING.name,
         [("Surface", "NodeSocketGeometry")],
         [("Hard", "NodeSocketBool"), ("Shaded", "NodeSocketGeometry")],
     )
@@ -37,6 +37,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Shaded", b.switch("GEOMETRY", _knows_corners(b), split, exact))
     b.arrange()
     return tree
+
+
+SHADING = Group("Dapple Shading", _build_shading)
 
 
 def _of_corners(b: Builder) -> Socket:

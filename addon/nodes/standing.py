@@ -10,11 +10,10 @@ Switch on a field waits for guesses that the processor got wrong.
 import bpy
 
 from .builder import Builder, Socket, new_group
+from .groups import Group
 
-NAME = "Dapple Standing"
 
-
-def build() -> bpy.types.NodeTree:
+def _build_standing() -> bpy.types.NodeTree:
     """New group; Z is along the normal, X as near to Ahead as it gets, both turned by Turn about Z.
 
     Normal is a unit vector. The quaternion (1, 0, 0, t), t = tan(Turn / 2), is a turn about Z. It
@@ -22,7 +21,7 @@ def build() -> bpy.types.NodeTree:
     rotation from there to the normal, which comes last, is never by more than a right angle.
     """
     tree = new_group(
-        NAME,
+        STANDING.name,
         [
             ("Normal", "NodeSocketVector"),
             ("Ahead", "NodeSocketVector"),
@@ -43,6 +42,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Rotation", _raised(b, turned, (x, y, height), down))
     b.arrange()
     return tree
+
+
+STANDING = Group("Dapple Standing", _build_standing)
 
 
 def _outward(b: Builder) -> Socket:

@@ -12,20 +12,20 @@ import functools
 import bpy
 
 from .builder import Builder, Socket, new_group
+from .groups import Group
 
-NAME = "Dapple Surface"
 _UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 _EPSILON = 1e-5  # of squared lengths and of dot products, relative
 
 
-def build() -> bpy.types.NodeTree:
+def _build_surface() -> bpy.types.NodeTree:
     """New group; Moved is whether points on Geometry have yet to be moved by Transform.
 
     Unmoved is the surface in its own space; Sheared is whether Geometry is a copy. Normals turns
     normals as Transform turns the surface, but for their lengths.
     """
     tree = new_group(
-        NAME,
+        SURFACE.name,
         [("Surface", "NodeSocketObject")],
         [
             ("Geometry", "NodeSocketGeometry"),
@@ -55,6 +55,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Normals", _cofactors(b, axes, mirrored))
     b.arrange()
     return tree
+
+
+SURFACE = Group("Dapple Surface", _build_surface)
 
 
 def _cofactors(b: Builder, axes: list[Socket], mirrored: Socket) -> Socket:

@@ -5,19 +5,18 @@ import bpy
 
 from . import bound_point, rest_point
 from .builder import Builder, Socket, new_group
-from .groups import inner
+from .groups import Group, inner
 
-NAME = "Dapple Tiles"
 OFFSET = "dapple_offset"  # of a vertex from its place, in the axes there
 _CORNERS = [f"dapple_{kind}{k}" for kind in "vc" for k in range(3)]
 
 
-def build() -> bpy.types.NodeTree:
+def _build_tiles() -> bpy.types.NodeTree:
     """New group. Each vertex has a place on the surface, as points have (core/surface), and an
     offset from it. Tiles stay as they are where the surface has other vertices than they know.
     """
     tree = new_group(
-        NAME,
+        TILES.name,
         [
             ("Geometry", "NodeSocketGeometry"),
             ("Surface", "NodeSocketObject"),
@@ -45,17 +44,20 @@ def build() -> bpy.types.NodeTree:
     return tree
 
 
+TILES = Group("Dapple Tiles", _build_tiles)
+
+
 def _on_faces(b: Builder, surface: Socket) -> bpy.types.Node:
     corners = [b.attribute(name, "INT") for name in _CORNERS]
     weights = b.parts(b.attribute("dapple_barycentric", "FLOAT_VECTOR"))
-    return inner(b, bound_point, surface, *corners, *weights, 0.0, 1.0)
+    return inner(b, bound_point.BOUND_POINT, surface, *corners, *weights, 0.0, 1.0)
 
 
 def _at_rest(b: Builder, surface: Socket) -> bpy.types.Node:
     rest, ahead = (b.attribute(name, "FLOAT_VECTOR") for name in ("dapple_rest", "dapple_ahead"))
     part = b.attribute("dapple_part", "INT")
     feeds = (rest, ahead, 0.0, 1.0, part, b.input("Rest Parts"))
-    return inner(b, rest_point, surface, *feeds)
+    return inner(b, rest_point.REST_POINT, surface, *feeds)
 
 
 def _fits(b: Builder, surface: Socket) -> Socket:

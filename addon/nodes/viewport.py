@@ -4,14 +4,13 @@
 import bpy
 
 from .builder import Builder, new_group
+from .groups import Group
 
-NAME = "Dapple Viewport"
 
-
-def build() -> bpy.types.NodeTree:
+def _build_viewport() -> bpy.types.NodeTree:
     """New group: those with the largest `dapple_rank` go, an order with even beginnings."""
     tree = new_group(
-        NAME,
+        VIEWPORT.name,
         [("Points", "NodeSocketGeometry"), ("Hidden", "NodeSocketFloat")],
         [("Points", "NodeSocketGeometry")],
     )
@@ -24,3 +23,6 @@ def build() -> bpy.types.NodeTree:
     b.output("Points", b.switch("GEOMETRY", hides, b.input("Points"), shown))
     b.arrange()
     return tree
+
+
+VIEWPORT = Group("Dapple Viewport", _build_viewport)

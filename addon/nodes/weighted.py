@@ -9,15 +9,15 @@ import bpy
 
 from ..core.settings.weights import DIGIT, DIGITS
 from .builder import Builder, Socket, new_group
+from .groups import Group
 
-NAME = "Dapple Weighted"
 WIDTH = DIGITS * DIGIT  # letters for each instance
 
 
-def build() -> bpy.types.NodeTree:
+def _build_weighted() -> bpy.types.NodeTree:
     """New group; Weights has WIDTH letters for each instance."""
     geometry = [("Instances", "NodeSocketGeometry")]
-    tree = new_group(NAME, [*geometry, ("Weights", "NodeSocketString")], geometry)
+    tree = new_group(WEIGHTED.name, [*geometry, ("Weights", "NodeSocketString")], geometry)
     b = Builder(tree)
     listed, amount = b.each("INSTANCE", b.input("Instances"), _amount)
     often = b.node("GeometryNodeDuplicateElements", domain="INSTANCE")
@@ -26,6 +26,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Instances", often.outputs["Geometry"])
     b.arrange()
     return tree
+
+
+WEIGHTED = Group("Dapple Weighted", _build_weighted)
 
 
 def _amount(b: Builder, _element: Socket, index: Socket) -> Socket:

@@ -44,11 +44,11 @@ def have_follow(
 
 def _modifier(made: bpy.types.Object) -> bpy.types.NodesModifier:
     """The one that moves the tiles; the first, as others bevel or smooth what it has moved."""
-    group = ensure(tiles)
+    group = ensure(tiles.TILES)
     own = (one for one in made.modifiers if one.type == "NODES" and _moves(one.node_group))
     modifier = next(own, None)
     if modifier is None:
-        modifier = made.modifiers.new(tiles.NAME, "NODES")
+        modifier = made.modifiers.new(tiles.TILES.name, "NODES")
         made.modifiers.move(len(made.modifiers) - 1, 0)
     if modifier.node_group != group:
         modifier.node_group = group
@@ -56,7 +56,7 @@ def _modifier(made: bpy.types.Object) -> bpy.types.NodesModifier:
 
 
 def _moves(group: bpy.types.NodeTree | None) -> bool:
-    return group is not None and group.name.startswith(tiles.NAME)
+    return group is not None and group.name.startswith(tiles.TILES.name)
 
 
 def _write_offsets(mesh: bpy.types.Mesh, inputs: dict[str, object]) -> None:
@@ -74,8 +74,8 @@ def _probe(mesh: bpy.types.Mesh, inputs: dict[str, object]) -> Iterator[Callable
     """Where vertices of a mesh are put with one offset for all of them."""
     probe = bpy.data.objects.new("Probe", mesh)
     bpy.context.scene.collection.objects.link(probe)
-    modifier = probe.modifiers.new(tiles.NAME, "NODES")
-    modifier.node_group = ensure(tiles)
+    modifier = probe.modifiers.new(tiles.TILES.name, "NODES")
+    modifier.node_group = ensure(tiles.TILES)
     for name, value in inputs.items():
         set_input(modifier, name, value)
 
