@@ -178,7 +178,7 @@ def look(distance: float, target: Place, toward: Place = (0.55, -0.60, 0.50)) ->
 
 def until_told() -> Story:
     """Until nothing is under way and the panel knows whether the result fits."""
-    fresh = window.addon_host.part("blender.freshness.freshness")
+    fresh = window.addon_host.part("blender.freshness.findings")
     yield from window.until_idle()
     scatter = bpy.data.objects.get(bpy.context.scene.dapple_painted) or bpy.context.object
     for _ in range(300):

@@ -164,7 +164,7 @@ def window() -> Any:
 
 def only(names: tuple[str, ...]) -> None:
     """Open these of the sub-panels: Blender has no other way than to register them anew."""
-    panels = addon_host.part("blender.panels").CLASSES
+    panels = addon_host.part("blender.main_panel").SUB_PANELS
     for panel in [one for one in panels if getattr(one, "bl_parent_id", "")]:
         name = panel.__name__.removeprefix("DAPPLE_PT_")
         bpy.utils.unregister_class(panel)

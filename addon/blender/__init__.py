@@ -7,30 +7,30 @@ from typing import Any
 
 import bpy
 
-from ..core.base.worker import end_free_threads
-from . import duplicate_addon, main_panel, preferences
-from .add import copied_surfaces, list_operators
-from .add import menu as add_menu
+from ..core.base.steps import end_free_threads
+from . import duplicate_addon, keymaps, main_panel, preferences
+from .add import copied_surfaces, scatter_list
 from .add import operators as add_operators
+from .add import panel as add_panel
 from .assets import dropped
 from .assets import library as assets_library
 from .assets import operators as assets_operators
 from .bake import operators as bake_operators
 from .base import jobs, panel_values, recent_objects, renders, translation
 from .command import entry
-from .density import overlay, paint_operators
-from .display import preview, preview_operators
+from .density import operators as density_operators
+from .density import overlay
+from .display import preview
 from .export import operators as export_operators
-from .freshness import freshness, unfinished_bakes
-from .hand_points import keymaps, tool
+from .freshness import findings, unfinished_bakes
 from .hand_points import operators as hand_points_operators
-from .object_types import followed_bounds
-from .object_types import operators as object_types_operators
+from .hand_points import tool
+from .object_types import classes, followed_bounds
 from .presets import operators as presets_operators
 from .scatter import modifier_tab
 from .settings import properties, updates
-from .solve import auto_update, cancel_operators, figure_images, operators, session_solutions
-from .surface import subdivision_operators
+from .solve import auto_update, figure_images, operators, session_solutions
+from .surface import subdivision
 from .tiles import operators as tiles_operators
 
 _WITH_CLASSES: tuple[Any, ...] = (
@@ -39,14 +39,13 @@ _WITH_CLASSES: tuple[Any, ...] = (
         operators,
         tiles_operators,
         bake_operators,
-        cancel_operators,
-        subdivision_operators,
-        preview_operators,
-        object_types_operators,
-        paint_operators,
+        subdivision,
+        preview,
+        classes,
+        density_operators,
         hand_points_operators,
         tool,
-        list_operators,
+        scatter_list,
         assets_operators,
         export_operators,
     ),
@@ -94,7 +93,7 @@ def _steps() -> list[Step]:
         panel_values,
         presets_operators,
         unfinished_bakes,
-        freshness,
+        findings,
         renders,
         jobs,
     )
@@ -119,18 +118,18 @@ def _steps() -> list[Step]:
 
 
 def _follow_settings() -> None:
-    updates.followers[:] = [module.touch for module in (overlay, freshness, auto_update, dropped)]
+    updates.followers[:] = [module.touch for module in (overlay, findings, auto_update, dropped)]
 
 
 def _add_classes() -> None:
     for cls in _CLASSES:
         _describe(cls)
         bpy.utils.register_class(cls)
-    bpy.types.VIEW3D_MT_mesh_add.append(add_menu.draw_add_menu)
+    bpy.types.VIEW3D_MT_mesh_add.append(add_panel.draw_add_menu)
 
 
 def _remove_classes() -> None:
-    bpy.types.VIEW3D_MT_mesh_add.remove(add_menu.draw_add_menu)
+    bpy.types.VIEW3D_MT_mesh_add.remove(add_panel.draw_add_menu)
     for cls in filter(properties.is_registered, reversed(_CLASSES)):
         bpy.utils.unregister_class(cls)
 

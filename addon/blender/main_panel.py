@@ -1,26 +1,44 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Main panel in the 3D View's sidebar; the sub-panels are in panels/."""
+"""The main panel in the 3D View's sidebar, and the order of its sub-panels."""
 
 import bpy
 
 from ..core.base.native import missing
-from . import panels
-from .add.list_operators import DAPPLE_OT_select_surface
 from .add.operators import DAPPLE_OT_surface_from_selected
-from .add.panel import draw_surface
-from .assets.panel import draw_placing
+from .add.panel import DAPPLE_MT_over_collection, draw_surface
+from .add.scatter_list import DAPPLE_OT_select_surface
+from .assets.operators import draw_placing
+from .bake.panel import DAPPLE_PT_animation
 from .base.labels import lines_of
 from .base.translation import told
-from .density.paint_panel import draw_painting
-from .hand_points.edit_panel import draw_editing
+from .density.panel import DAPPLE_MT_materials, DAPPLE_PT_density, draw_painting
+from .display.panel import DAPPLE_PT_display
+from .hand_points.panel import DAPPLE_PT_placement, draw_editing
+from .object_types.panel import DAPPLE_PT_instances, DAPPLE_UL_classes
 from .presets.operators import draw_presets
 from .scatter.object import active_surface, is_scatter, rest_note
 from .scatter.panel import Panel
-from .solve.job_panel import draw_work
 from .solve.operators import DAPPLE_OT_optimize
-from .solve.results_panel import draw_result
-from .surface import subdivision_operators
-from .surface.subdivision_operators import DAPPLE_OT_match_subdivision
+from .solve.panel import DAPPLE_PT_advanced, DAPPLE_PT_amount, DAPPLE_PT_details
+from .solve.results_panel import draw_result, draw_work
+from .surface import subdivision
+from .surface.subdivision import DAPPLE_OT_match_subdivision
+from .tiles.panel import DAPPLE_PT_tiles
+
+SUB_PANELS = (  # in the order in which the sidebar shows them
+    DAPPLE_UL_classes,
+    DAPPLE_MT_over_collection,
+    DAPPLE_MT_materials,
+    DAPPLE_PT_details,
+    DAPPLE_PT_instances,
+    DAPPLE_PT_amount,
+    DAPPLE_PT_density,
+    DAPPLE_PT_placement,
+    DAPPLE_PT_display,
+    DAPPLE_PT_animation,
+    DAPPLE_PT_tiles,
+    DAPPLE_PT_advanced,
+)
 
 
 class DAPPLE_PT_main(Panel, bpy.types.Panel):
@@ -64,11 +82,11 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
 
 def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context, icon: str) -> None:
     surface = active_surface(context)
-    causes = subdivision_operators.DIFFERENCES.of(surface) if surface else ()
+    causes = subdivision.DIFFERENCES.of(surface) if surface else ()
     if causes:
         text = told("Viewport and renders differ: {causes}", causes="; ".join(causes))
         lines_of(layout, text, icon)
         layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
 
 
-CLASSES = (DAPPLE_PT_main, *panels.CLASSES)
+CLASSES = (DAPPLE_PT_main, *SUB_PANELS)

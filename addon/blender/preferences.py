@@ -6,7 +6,7 @@ from bpy.props import BoolProperty
 
 from .assets import library as assets_library
 from .assets.library import DAPPLE_OT_add_asset_library, DAPPLE_OT_remove_asset_library
-from .base.extension import PACKAGE
+from .base import PACKAGE
 from .presets.operators import draw_removal
 
 

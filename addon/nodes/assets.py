@@ -6,8 +6,12 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import bound_point, detail, instances, points, rest_point, viewport
+from .bound_place import BOUND_POINT
+from .detail import DETAIL, VIEWPORT
 from .groups import Group, ensure
+from .instances import INSTANCES
+from .points import POINTS
+from .rest_place import REST_POINT
 from .scatter import GROUP_NAME, ensure_group
 
 CATALOG = "f8f09e78-8d7a-4b5c-9bdd-e3485973ed0f"  # as in assets/blender_assets.cats.txt
@@ -43,34 +47,34 @@ ASSETS = (
         "Plays the points of a scatter on its surface: positions, and the attributes rotation, "
         "scale and fade",
         ("scatter", "points", "blue noise"),
-        points.POINTS,
+        POINTS,
     ),
     Asset(
         "Instances an object, or random objects of a collection, on points, which may carry "
         "rotation, scale, fade and dapple_class",
         ("instances",),
-        instances.INSTANCES,
+        INSTANCES,
     ),
     Asset(
         "Hides a fraction of a scatter's points in the viewport; the others stay even",
         ("points", "viewport"),
-        viewport.VIEWPORT,
+        VIEWPORT,
     ),
     Asset(
         "Shows fewer of a scatter's points far from the camera and outside its view; the others "
         "stay even",
         ("points", "camera", "level of detail"),
-        detail.DETAIL,
+        DETAIL,
     ),
     Asset(
         "Position and rotation of a place in a triangle of a surface, as it is now",
         ("surface", "position", "rotation"),
-        bound_point.BOUND_POINT,
+        BOUND_POINT,
     ),
     Asset(
         "Position and rotation of a place of a surface's rest_position, as the surface is now",
         ("surface", "position", "rotation"),
-        rest_point.REST_POINT,
+        REST_POINT,
     ),
 )
 

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: a binding -> position and rotation on a surface whose shading is known."""
+"""Node groups: a binding -> position and rotation on a surface."""
 
 import bpy
 
 from ..core.surface.frames import LEAST_HEIGHT
-from . import standing
 from .builder import Builder, Socket, new_group
 from .groups import Group, inner
-from .shading import NORMAL
+from .standing import STANDING
+from .surface import NORMAL, SHADING
 
-SHADING = [
+SHADING_INPUTS = [
     ("Unmoved", "NodeSocketGeometry"),
     ("Hard", "NodeSocketBool"),
     ("Shaded", "NodeSocketGeometry"),
@@ -27,7 +27,7 @@ def _build_bound_place() -> bpy.types.NodeTree:
         BOUND_PLACE.name,
         [
             ("Surface", "NodeSocketGeometry"),
-            *SHADING,
+            *SHADING_INPUTS,
             *((f"{kind}{k}", "NodeSocketInt") for kind in "VC" for k in range(3)),
             *((f"W{k}", "NodeSocketFloat") for k in range(3)),
             ("Turn", "NodeSocketFloat"),
@@ -47,7 +47,7 @@ def _build_bound_place() -> bpy.types.NodeTree:
     b.output("Position", b.vector("ADD", positions[0], along))
     normal = b.vector("NORMALIZE", normal)
     feeds = (normal, _ahead(b, first, second, normal), b.input("Turn"), b.input("Side"))
-    b.output("Rotation", inner(b, standing.STANDING, *feeds).outputs["Rotation"])
+    b.output("Rotation", inner(b, STANDING, *feeds).outputs["Rotation"])
     b.arrange()
     return tree
 
@@ -84,3 +84,30 @@ def _ahead(b: Builder, first: Socket, second: Socket, normal: Socket) -> Socket:
 
 def _dot(b: Builder, u: Socket, v: Socket) -> Socket:
     return b.node("ShaderNodeVectorMath", u, v, operation="DOT_PRODUCT").outputs["Value"]
+
+
+def _build_bound_point() -> bpy.types.NodeTree:
+    """New group; all but Surface are fields: vertices, face corners there, weights (records.py)."""
+    tree = new_group(
+        BOUND_POINT.name,
+        [
+            ("Surface", "NodeSocketGeometry"),
+            *((f"{kind}{k}", "NodeSocketInt") for kind in "VC" for k in range(3)),
+            *((f"W{k}", "NodeSocketFloat") for k in range(3)),
+            ("Turn", "NodeSocketFloat"),
+            ("Side", "NodeSocketFloat"),
+        ],
+        [("Position", "NodeSocketVector"), ("Rotation", "NodeSocketRotation")],
+    )
+    b = Builder(tree)
+    surface = b.input("Surface")
+    shaded = (surface, *inner(b, SHADING, surface).outputs, False, None)
+    fields = [f"{kind}{k}" for kind in "VCW" for k in range(3)] + ["Turn", "Side"]
+    placed = inner(b, BOUND_PLACE, surface, *shaded, *(b.input(name) for name in fields))
+    for name in ("Position", "Rotation"):
+        b.output(name, placed.outputs[name])
+    b.arrange()
+    return tree
+
+
+BOUND_POINT = Group("Dapple Bound Point", _build_bound_point)

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: points on the surface -> instances of an object or of a collection's on them."""
+"""Node groups: points -> instances, by weight, scaled to fit."""
 
 import bpy
 
-from . import fitting, weighted
+from ..core.settings.weights import DIGIT, DIGITS
 from .builder import Builder, Socket, new_group
 from .groups import Group, inner
+
+WIDTH = DIGITS * DIGIT  # letters for each instance
 
 
 def _build_instances() -> bpy.types.NodeTree:
@@ -34,7 +36,7 @@ def _build_instances() -> bpy.types.NodeTree:
     some = b.compare("GREATER_THAN", count, 0)
     shape = b.switch("GEOMETRY", some, _one(b), several)
     fits = b.compare("GREATER_THAN", b.input("Fit"), 0.0, "FLOAT")
-    fitted = inner(b, fitting.FITTING, shape, b.input("Fit")).outputs[0]
+    fitted = inner(b, FITTING, shape, b.input("Fit")).outputs[0]
     pool = b.switch("GEOMETRY", fits, shape, fitted)
     pool = _repeated(b, pool, count, some)
     placed = b.out(
@@ -66,9 +68,9 @@ def _chosen(b: Builder) -> Socket:
 def _repeated(b: Builder, pool: Socket, count: Socket, some: Socket) -> Socket:
     """Objects of a collection as often as their weights say, if these are those of as many."""
     length = b.out("FunctionNodeStringLength", b.input("Weights"))
-    fits = b.compare("EQUAL", length, b.integer("MULTIPLY", count, weighted.WIDTH))
+    fits = b.compare("EQUAL", length, b.integer("MULTIPLY", count, WIDTH))
     weighs = b.boolean("AND", some, fits)
-    often = inner(b, weighted.WEIGHTED, pool, b.input("Weights")).outputs[0]
+    often = inner(b, WEIGHTED, pool, b.input("Weights")).outputs[0]
     return b.switch("GEOMETRY", weighs, pool, often)
 
 
@@ -110,3 +112,66 @@ def _cone(b: Builder) -> Socket:
     b.tree.links.new(b.number("MULTIPLY", spacing, 0.3), node.inputs["Radius Bottom"])
     b.tree.links.new(b.number("MULTIPLY", spacing, 0.6), node.inputs["Depth"])
     return node.outputs["Mesh"]
+
+
+def _build_fitting() -> bpy.types.NodeTree:
+    """New group; Fit is the share of it, as an exponent: with 0.5 a radius of 4 becomes 2.
+
+    What has no vertices keeps its size, as there is nothing to fit.
+    """
+    geometry = [("Instances", "NodeSocketGeometry")]
+    tree = new_group(FITTING.name, [*geometry, ("Fit", "NodeSocketFloat")], geometry)
+    b = Builder(tree)
+    shape = b.input("Instances")
+    loose = b.compare("EQUAL", b.count(shape, "INSTANCES"), 0)
+    shape = b.switch("GEOMETRY", loose, shape, b.out("GeometryNodeGeometryToInstance", shape))
+    measured, radius = b.each("INSTANCE", shape, _radius)
+    none = b.compare("LESS_EQUAL", radius, 0.0, "FLOAT")
+    factor = b.number("POWER", radius, b.number("MULTIPLY", b.input("Fit"), -1.0))
+    factor = b.switch("FLOAT", none, factor, 1.0)
+    b.output("Instances", b.out("GeometryNodeScaleInstances", measured, True, factor))
+    b.arrange()
+    return tree
+
+
+FITTING = Group("Dapple Fitting", _build_fitting)
+
+
+def _radius(b: Builder, element: Socket, _index: Socket) -> Socket:
+    """Of all that one instance has. Mesh to Points would take twice the time, for its UV map."""
+    points = b.out("GeometryNodeRealizeInstances", element)
+    x, y, _ = b.parts(b.out("GeometryNodeInputPosition"))
+    across = b.number("SQRT", b.number("MULTIPLY_ADD", x, x, b.number("MULTIPLY", y, y)))
+    node = b.node("GeometryNodeAttributeStatistic", points, True, across)
+    return node.outputs["Max"]
+
+
+def _build_weighted() -> bpy.types.NodeTree:
+    """New group; Weights has WIDTH letters for each instance."""
+    geometry = [("Instances", "NodeSocketGeometry")]
+    tree = new_group(WEIGHTED.name, [*geometry, ("Weights", "NodeSocketString")], geometry)
+    b = Builder(tree)
+    listed, amount = b.each("INSTANCE", b.input("Instances"), _amount)
+    often = b.node("GeometryNodeDuplicateElements", domain="INSTANCE")
+    for name, feed in (("Geometry", listed), ("Amount", amount)):
+        b.tree.links.new(feed, often.inputs[name])
+    b.output("Instances", often.outputs["Geometry"])
+    b.arrange()
+    return tree
+
+
+WEIGHTED = Group("Dapple Weighted", _build_weighted)
+
+
+def _amount(b: Builder, _element: Socket, index: Socket) -> Socket:
+    first = b.integer("MULTIPLY", index, WIDTH)
+    amount = _digit(b, first, 0)
+    for place in range(1, DIGITS):
+        amount = b.integer("ADD", b.integer("MULTIPLY", amount, 10), _digit(b, first, place))
+    return amount
+
+
+def _digit(b: Builder, first: Socket, place: int) -> Socket:
+    at = b.integer("ADD", first, place * DIGIT)
+    letters = b.out("FunctionNodeSliceString", b.input("Weights"), at, DIGIT)
+    return b.out("FunctionNodeStringLength", b.out("FunctionNodeReplaceString", letters, " ", ""))

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import instanced_part, part
 from .builder import Builder, Socket, new_group
-from .groups import inner
+from .groups import Group, inner
 
 KEY = "dapple_joined"  # of a node group that joins
 Offset = tuple[float, float, float]
+REST_INPUTS = [("Rest Scale", "NodeSocketFloat"), ("Rest Shift", "NodeSocketVector")]
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ def build(name: str, joined: list[Joined]) -> bpy.types.NodeTree:
 def _mesh(b: Builder, one: Joined, frame: Socket | None) -> Socket:
     rest = (one.rest_scale, one.rest_shift)
     if frame is None:
-        return inner(b, part.PART, one.object, *rest).outputs["Geometry"]
-    return inner(b, instanced_part.INSTANCED_PART, one.object, frame, *rest).outputs["Geometry"]
+        return inner(b, PART, one.object, *rest).outputs["Geometry"]
+    return inner(b, INSTANCED_PART, one.object, frame, *rest).outputs["Geometry"]
 
 
 def _frame(b: Builder, one: Joined, around: Socket | None) -> Socket:
@@ -71,3 +71,72 @@ def _in_order(b: Builder, meshes: list[Socket]) -> Socket:
     for mesh in reversed(meshes):
         b.tree.links.new(mesh, node.inputs[0])
     return node.outputs[0]
+
+
+def _build_instanced_part() -> bpy.types.NodeTree:
+    """New group; Frame is from the space of the collection to that of the joined surface."""
+    tree = new_group(
+        INSTANCED_PART.name,
+        [("Object", "NodeSocketObject"), ("Frame", "NodeSocketMatrix"), *REST_INPUTS],
+        [("Geometry", "NodeSocketGeometry")],
+    )
+    b = Builder(tree)
+    own = b.node("GeometryNodeObjectInfo", b.input("Object"), transform_space="ORIGINAL")
+    place = b.out("FunctionNodeMatrixMultiply", b.input("Frame"), own.outputs["Transform"])
+    rest = [b.input(name) for name, _ in REST_INPUTS]
+    placed = inner(b, PLACED_PART, own.outputs["Geometry"], place, *rest)
+    b.output("Geometry", placed.outputs["Geometry"])
+    b.arrange()
+    return tree
+
+
+INSTANCED_PART = Group("Dapple Instanced Part", _build_instanced_part)
+
+
+def _build_part() -> bpy.types.NodeTree:
+    """New group."""
+    tree = new_group(
+        PART.name,
+        [("Object", "NodeSocketObject"), *REST_INPUTS],
+        [("Geometry", "NodeSocketGeometry")],
+    )
+    b = Builder(tree)
+    here = b.node("GeometryNodeObjectInfo", b.input("Object"), transform_space="RELATIVE")
+    own = b.node("GeometryNodeObjectInfo", b.input("Object"), transform_space="ORIGINAL")
+    rest = [b.input(name) for name, _ in REST_INPUTS]
+    feeds = (own.outputs["Geometry"], here.outputs["Transform"], *rest)
+    b.output("Geometry", inner(b, PLACED_PART, *feeds).outputs["Geometry"])
+    b.arrange()
+    return tree
+
+
+PART = Group("Dapple Part", _build_part)
+
+
+def _build_placed_part() -> bpy.types.NodeTree:
+    """New group; Matrix is from the part's own space to that of the joined surface."""
+    tree = new_group(
+        PLACED_PART.name,
+        [("Geometry", "NodeSocketGeometry"), ("Matrix", "NodeSocketMatrix"), *REST_INPUTS],
+        [("Geometry", "NodeSocketGeometry")],
+    )
+    b = Builder(tree)
+    position = b.out("GeometryNodeInputPosition")
+    mesh = b.out("GeometryNodeSeparateComponents", b.input("Geometry"))
+    mesh = b.store(mesh, "rest_position", _rest(b, position), "FLOAT_VECTOR")
+    place = b.out("FunctionNodeTransformPoint", position, b.input("Matrix"))
+    mesh = b.out("GeometryNodeSetPosition", mesh, True, place)
+    side = b.out("FunctionNodeMatrixDeterminant", b.input("Matrix"))
+    mirrored = b.compare("LESS_THAN", side, 0.0, "FLOAT")
+    b.output("Geometry", b.out("GeometryNodeFlipFaces", mesh, mirrored))
+    b.arrange()
+    return tree
+
+
+PLACED_PART = Group("Dapple Placed Part", _build_placed_part)
+
+
+def _rest(b: Builder, position: Socket) -> Socket:
+    """Where a vertex is at rest; one that has no rest position is taken for still."""
+    own = b.attribute_or("rest_position", "FLOAT_VECTOR", "VECTOR", position)
+    return b.vector("ADD", b.scaled(own, b.input("Rest Scale")), b.input("Rest Shift"))

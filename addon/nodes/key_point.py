@@ -10,9 +10,10 @@ from typing import Any
 
 import bpy
 
-from . import bound_place, rest_place
+from .bound_place import BOUND_PLACE, SHADING_INPUTS
 from .builder import Builder, Socket, new_group
 from .groups import Group, inner
+from .rest_place import REST_PLACE
 
 _CORNERS = [f"dapple_{kind}{k}" for kind in "vc" for k in range(3)]
 
@@ -40,7 +41,7 @@ def _build_key_point() -> bpy.types.NodeTree:
         KEY_POINT.name,
         [
             ("Surface", "NodeSocketGeometry"),
-            *bound_place.SHADING,
+            *SHADING_INPUTS,
             *((name, "NodeSocketGeometry") for name in ("Keys", "Triangles", "Preview")),
             *((name, "NodeSocketInt") for name in ("Points", "Key")),
             *((name, "NodeSocketBool") for name in ("Baked", "Live", "Resting")),
@@ -60,9 +61,9 @@ def _build_key_point() -> bpy.types.NodeTree:
     bound = _chosen(b, b.input("Baked"), _own(b), of_key)
     bound = _chosen(b, b.input("Live"), bound, _previewed(b))
     turn = b.number("ADD", bound.carry, b.input("Turn"))
-    shading = (b.input(name) for name, _ in bound_place.SHADING)
+    shading = (b.input(name) for name, _ in SHADING_INPUTS)
     feeds = (b.input("Surface"), *shading, *bound.corners, *bound.weights, turn, 1.0)
-    on_faces, at_rest = inner(b, bound_place.BOUND_PLACE, *feeds), _at_rest(b, of_key)
+    on_faces, at_rest = inner(b, BOUND_PLACE, *feeds), _at_rest(b, of_key)
     position, rotation = (
         b.switch(kind, b.input("Resting"), on_faces.outputs[name], at_rest.outputs[name])
         for kind, name in (("VECTOR", "Position"), ("ROTATION", "Rotation"))
@@ -139,7 +140,7 @@ def _at_rest(b: Builder, key: _Bound) -> bpy.types.Node:
     # What points ahead of a point itself is turned already.
     turn = b.number("ADD", b.switch("FLOAT", baked, 0.0, key.carry), b.input("Turn"))
     feeds = (*places, part, b.input("Parts"), turn, 1.0)
-    return inner(b, rest_place.REST_PLACE, b.input("Shape"), b.input("Normals"), *feeds)
+    return inner(b, REST_PLACE, b.input("Shape"), b.input("Normals"), *feeds)
 
 
 def _row(b: Builder) -> Socket:
@@ -176,3 +177,60 @@ def _chosen(b: Builder, condition: Socket, false: _Bound, true: _Bound) -> _Boun
     pairs = zip(kinds, false.sockets(), true.sockets(), strict=True)
     either = [b.switch(kind, condition, x, y) for kind, x, y in pairs]
     return _Bound(either[:6], either[6:9], *either[9:])
+
+
+def _build_moment() -> bpy.types.NodeTree:
+    """New group; before the first and after the last frame, those hold.
+
+    Fraction is the share of the second key. Where the topology changes between two frames, the
+    surface has one of two numbers of vertices at a time between them: then that frame is played
+    whose number it is. Bound to the rest position, points are on any surface, and are mixed.
+    """
+    tree = new_group(
+        MOMENT.name,
+        [
+            ("Frames", "NodeSocketGeometry"),
+            ("First Frame", "NodeSocketInt"),
+            ("Vertices", "NodeSocketInt"),
+            ("Rest Binding", "NodeSocketBool"),
+        ],
+        [
+            ("First", "NodeSocketInt"),
+            ("Second", "NodeSocketInt"),
+            ("Fraction", "NodeSocketFloat"),
+            ("Vertices", "NodeSocketInt"),
+        ],
+    )
+    b = Builder(tree)
+    frame, part = _frame(b)
+    late = b.compare("NOT_EQUAL", _at(b, "vertices", frame), b.input("Vertices"))
+    late = b.boolean("AND", late, b.compare("GREATER_THAN", part, 0.0, "FLOAT"))
+    late = b.boolean("AND", late, b.boolean("NOT", b.input("Rest Binding")))
+    frame = b.integer("ADD", frame, late)
+    part = b.switch("FLOAT", late, part, 0.0)
+    key, since, span = (_at(b, name, frame) for name in ("key", "since", "span"))
+    fraction = b.number("DIVIDE", b.number("ADD", since, part), b.integer("MAXIMUM", span, 1))
+    some = b.integer("MINIMUM", span, 1)
+    b.output("First", key)
+    b.output("Second", b.integer("ADD", key, some))
+    b.output("Fraction", b.number("MULTIPLY", fraction, some))
+    b.output("Vertices", _at(b, "vertices", frame))
+    b.arrange()
+    return tree
+
+
+MOMENT = Group("Dapple Moment", _build_moment)
+
+
+def _frame(b: Builder) -> tuple[Socket, Socket]:
+    """Index of the frame that is played, and how far it is to the next, in [0, 1)."""
+    time = b.node("GeometryNodeInputSceneTime").outputs["Frame"]
+    time = b.number("SUBTRACT", time, b.input("First Frame"))
+    time = b.number("MAXIMUM", time, 0.0)
+    time = b.number("MINIMUM", time, b.integer("SUBTRACT", b.count(b.input("Frames")), 1))
+    whole = b.out("FunctionNodeFloatToInt", time, rounding_mode="FLOOR")
+    return whole, b.number("SUBTRACT", time, whole)
+
+
+def _at(b: Builder, name: str, frame: Socket) -> Socket:
+    return b.sample(b.input("Frames"), b.attribute(f"dapple_{name}", "INT"), frame, "INT")

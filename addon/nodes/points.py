@@ -2,14 +2,17 @@
 """Node group: stored points -> the same on the surface of the current (sub-)frame."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 
-from . import fit, key_point, moment, posture, rest_shape, shading, surface
 from .builder import Builder, Socket, new_group
 from .groups import Group, inner
+from .key_point import KEY_POINT, MOMENT
+from .rest_place import REST_SHAPE
+from .surface import SHADING, SURFACE
 
-INPUTS = [
+POINT_INPUTS = [
     ("Geometry", "NodeSocketGeometry"),
     ("Surface", "NodeSocketObject"),
     ("Surface Vertices", "NodeSocketInt"),
@@ -45,9 +48,9 @@ def _build_points() -> bpy.types.NodeTree:
     There are no points, but a warning, when what is stored does not fit the surface.
     """
     numbers = [(name, "NodeSocketFloat") for name in NUMBERS]
-    tree = new_group(POINTS.name, INPUTS + numbers, [("Geometry", "NodeSocketGeometry")])
+    tree = new_group(POINTS.name, POINT_INPUTS + numbers, [("Geometry", "NodeSocketGeometry")])
     b = Builder(tree)
-    found = inner(b, surface.SURFACE, b.input("Surface"))
+    found = inner(b, SURFACE, b.input("Surface"))
     played = _played(b, found.outputs["Geometry"], _shape(b, found))
     # What stands on the surface is turned once, by its own angle and the key's together.
     turn = b.attribute("dapple_turn", "FLOAT")
@@ -57,7 +60,7 @@ def _build_points() -> bpy.types.NodeTree:
     position, rotation, gone, room = _placed(b, found, played, early)
     position, rotation = _moved(b, found, played, position, rotation)
     position = _lifted(b, position, rotation)
-    stood = inner(b, posture.POSTURE, rotation, turn, aligned, b.input("Align"), b.input("Tilt"))
+    stood = inner(b, POSTURE, rotation, turn, aligned, b.input("Align"), b.input("Tilt"))
     points = _with_attributes(b, position, stood.outputs["Rotation"], gone)
     points = _with_room(b, points, played, room)
     b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
@@ -87,7 +90,7 @@ class _Played:
 def _shape(b: Builder, found: bpy.types.Node) -> Socket:
     """The rest shape of the surface; places in its own space where it has no rest position."""
     feeds = (found.outputs["Unmoved"], found.outputs["Transform"])
-    return inner(b, rest_shape.REST_SHAPE, *feeds).outputs["Shape"]
+    return inner(b, REST_SHAPE, *feeds).outputs["Shape"]
 
 
 def _played(b: Builder, geometry: Socket, shape: Socket) -> _Played:
@@ -97,11 +100,11 @@ def _played(b: Builder, geometry: Socket, shape: Socket) -> _Played:
     baked = b.compare("GREATER_THAN", b.count(keys), 0)
     live = _live(b, preview, count)
     rest, warning = b.input("Rest Binding"), b.input("Warning")
-    now = inner(b, moment.MOMENT, frames, b.input("First Frame"), vertices, rest)
+    now = inner(b, MOMENT, frames, b.input("First Frame"), vertices, rest)
     bake = b.boolean("AND", baked, b.boolean("NOT", live))
     has = (vertices, b.count_faces(geometry))
     bound = (b.input("Surface Vertices"), now.outputs["Vertices"])
-    fits = inner(b, fit.FIT, *has, *bound, count, b.input("Key Points"), bake, rest, warning)
+    fits = inner(b, FIT, *has, *bound, count, b.input("Key Points"), bake, rest, warning)
     faces = b.compare("EQUAL", vertices, b.input("Rest Vertices"))
     resting = b.boolean("AND", rest, b.boolean("NOR", live, faces))
     stored = (keys, triangles, preview, count, baked, live)
@@ -130,10 +133,10 @@ def _placed(b: Builder, found: bpy.types.Node, played: _Played, turn: Socket) ->
     now = played.moment.outputs
     switches = (played.baked, played.live, played.resting, played.shape, b.input("Rest Parts"))
     geometry, unmoved = found.outputs["Geometry"], found.outputs["Unmoved"]
-    shaded = (unmoved, *inner(b, shading.SHADING, unmoved).outputs)
+    shaded = (unmoved, *inner(b, SHADING, unmoved).outputs)
     turned = (found.outputs["Sheared"], found.outputs["Normals"])
     first, second = (
-        inner(b, key_point.KEY_POINT, geometry, *shaded, *turned, *stored, key, *switches, turn)
+        inner(b, KEY_POINT, geometry, *shaded, *turned, *stored, key, *switches, turn)
         for key in (now["First"], now["Second"])
     )
     fraction = now["Fraction"]
@@ -200,3 +203,102 @@ def _size(b: Builder) -> Socket:
     same = b.compare("EQUAL", b.input("Density Scale"), 0.0, "FLOAT")
     axes = b.out("ShaderNodeCombineXYZ", *(b.input(f"Scale {axis}") for axis in "XYZ"))
     return b.scaled(axes, b.switch("FLOAT", same, other, factor))
+
+
+def _build_posture() -> bpy.types.NodeTree:
+    """New group; where Align is 1, Rotation is turned already."""
+    tree = new_group(
+        POSTURE.name,
+        [
+            ("Rotation", "NodeSocketRotation"),
+            ("Turn", "NodeSocketFloat"),
+            ("Aligned", "NodeSocketBool"),
+            ("Align", "NodeSocketFloat"),
+            ("Tilt", "NodeSocketFloat"),
+        ],
+        [("Rotation", "NodeSocketRotation")],
+    )
+    b = Builder(tree)
+    rotation = b.input("Rotation")
+    rotation = b.switch("ROTATION", b.input("Aligned"), _upright(b, rotation), rotation)
+    straight = b.compare("EQUAL", b.input("Tilt"), 0.0, "FLOAT")
+    b.output("Rotation", b.switch("ROTATION", straight, _tilted(b, rotation), rotation))
+    b.arrange()
+    return tree
+
+
+POSTURE = Group("Dapple Posture", _build_posture)
+
+
+def _upright(b: Builder, rotation: Socket) -> Socket:
+    """From upright to the normal as Align says, then turned about itself."""
+    less = b.number("SUBTRACT", 1.0, b.input("Align"))
+    up = (0.0, 0.0, 1.0)
+    rotation = b.out("FunctionNodeAlignRotationToVector", rotation, less, up, axis="Z")
+    return b.turned(rotation, b.input("Turn"))
+
+
+def _tilted(b: Builder, rotation: Socket) -> Socket:
+    """Leaning in a random direction, chosen by digits that the turn does not use."""
+    angle = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), 1000.0)
+    axis = b.out("ShaderNodeCombineXYZ", b.number("COSINE", angle), b.number("SINE", angle))
+    chance = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 37.0))
+    angle = b.number("MULTIPLY", chance, b.input("Tilt"))
+    tilt = b.out("FunctionNodeAxisAngleToRotation", axis, angle)
+    return b.out("FunctionNodeRotateRotation", rotation, tilt, rotation_space="LOCAL")
+
+
+def _build_fit() -> bpy.types.NodeTree:
+    """New group; Warning is the add-on's own warning, which hides nothing.
+
+    On a surface without faces there is no point; in a bake that is no reason to warn.
+    """
+    tree = new_group(
+        FIT.name,
+        [
+            ("Vertices", "NodeSocketInt"),
+            ("Faces", "NodeSocketInt"),
+            ("Surface Vertices", "NodeSocketInt"),
+            ("Key Vertices", "NodeSocketInt"),
+            ("Points", "NodeSocketInt"),
+            ("Key Points", "NodeSocketInt"),
+            ("Played", "NodeSocketBool"),
+            ("Rest Binding", "NodeSocketBool"),
+            ("Warning", "NodeSocketString"),
+        ],
+        [("Fits", "NodeSocketBool")],
+    )
+    b = Builder(tree)
+    played = b.input("Played")
+    bound = b.switch("INT", played, b.input("Surface Vertices"), b.input("Key Vertices"))
+    other = _differs(b, b.input("Vertices"), bound)
+    other = b.boolean("AND", other, b.boolean("NOT", b.input("Rest Binding")))
+    lost = _differs(b, b.input("Points"), b.input("Key Points"))
+    lost = b.boolean("AND", played, lost)
+    other = _warning(
+        b, other, "The number of vertices of the surface has changed: optimize the scatter"
+    )
+    lost = _warning(b, lost, "Points were added or removed since the bake: bake again")
+    said = b.compare("GREATER_THAN", b.out("FunctionNodeStringLength", b.input("Warning")), 0)
+    said = _warning(b, said, b.input("Warning"))
+    # Changed settings show a warning and hide nothing; only a node that is used is evaluated.
+    bare = b.compare("EQUAL", b.input("Faces"), 0)
+    gone = b.boolean("AND", bare, b.boolean("NOR", played, other))
+    gone = _warning(b, gone, "The surface has no faces")
+    hidden = b.boolean("OR", b.boolean("OR", other, lost), b.boolean("OR", bare, gone))
+    b.output("Fits", b.boolean("NOR", hidden, b.boolean("AND", said, hidden)))
+    b.arrange()
+    return tree
+
+
+FIT = Group("Dapple Fit", _build_fit)
+
+
+def _differs(b: Builder, number: Socket, asked: Socket) -> Socket:
+    """Whether there is another number than is asked for; 0 asks for none."""
+    asks = b.compare("NOT_EQUAL", asked, 0)
+    return b.boolean("AND", asks, b.compare("NOT_EQUAL", number, asked))
+
+
+def _warning(b: Builder, show: Socket, message: Any) -> Socket:
+    return b.out("GeometryNodeWarning", show, message, warning_type="WARNING")

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: a place of the rest shape -> position and rotation on the surface as it is now."""
+"""Node groups: a place of the rest shape -> position and rotation."""
 
 import bpy
 
-from . import rest_shape, shading, standing
 from .builder import Builder, Socket, new_group
 from .groups import Group, inner
+from .standing import STANDING
+from .surface import NORMAL, SHADING
+
+PLACE = "dapple_place"
 
 
 def _build_rest_place() -> bpy.types.NodeTree:
@@ -27,14 +30,14 @@ def _build_rest_place() -> bpy.types.NodeTree:
         [("Position", "NodeSocketVector"), ("Rotation", "NodeSocketRotation")],
     )
     b = Builder(tree)
-    b.output("Position", _found(b, rest_shape.PLACE, "Rest"))
-    ahead, start = (_found(b, rest_shape.PLACE, name) for name in ("Ahead", "Start"))
+    b.output("Position", _found(b, PLACE, "Rest"))
+    ahead, start = (_found(b, PLACE, name) for name in ("Ahead", "Start"))
     edge = b.vector("SUBTRACT", ahead, start)
-    normal = _found(b, shading.NORMAL, "Rest")
+    normal = _found(b, NORMAL, "Rest")
     normal = b.out("FunctionNodeTransformDirection", normal, b.input("Normals"))
     normal = b.vector("NORMALIZE", normal)
     feeds = (normal, edge, b.input("Turn"), b.input("Side"))
-    b.output("Rotation", inner(b, standing.STANDING, *feeds).outputs["Rotation"])
+    b.output("Rotation", inner(b, STANDING, *feeds).outputs["Rotation"])
     b.arrange()
     return tree
 
@@ -58,3 +61,62 @@ def _part(b: Builder) -> Socket:
     before = b.integer("MULTIPLY", b.input("Parts"), corner)
     part = b.integer("DIVIDE", before, total.outputs["Face Corner Count"])
     return b.switch("INT", b.compare("GREATER_THAN", b.input("Parts"), 1), 0, part)
+
+
+def _build_rest_point() -> bpy.types.NodeTree:
+    """New group; Rest and Ahead are two near places of the rest shape (core/surface/rest.py)."""
+    tree = new_group(
+        REST_POINT.name,
+        [
+            ("Surface", "NodeSocketGeometry"),
+            ("Rest", "NodeSocketVector"),
+            ("Ahead", "NodeSocketVector"),
+            ("Turn", "NodeSocketFloat"),
+            ("Side", "NodeSocketFloat"),
+            ("Part", "NodeSocketInt"),
+            ("Parts", "NodeSocketInt"),
+        ],
+        [("Position", "NodeSocketVector"), ("Rotation", "NodeSocketRotation")],
+    )
+    b = Builder(tree)
+    shape = inner(b, REST_SHAPE, b.input("Surface"), None).outputs["Shape"]
+    names = ("Rest", "Rest", "Ahead", "Part", "Parts", "Turn", "Side")
+    placed = inner(b, REST_PLACE, shape, None, *(b.input(name) for name in names))
+    for name in ("Position", "Rotation"):
+        b.output(name, placed.outputs[name])
+    b.arrange()
+    return tree
+
+
+REST_POINT = Group("Dapple Rest Point", _build_rest_point)
+
+
+def _build_rest_shape() -> bpy.types.NodeTree:
+    """New group; Transform brings what is in the surface's own space to its place. A surface
+    without rest positions is found by its positions in its own space.
+    """
+    tree = new_group(
+        REST_SHAPE.name,
+        [("Surface", "NodeSocketGeometry"), ("Transform", "NodeSocketMatrix")],
+        [("Shape", "NodeSocketGeometry")],
+    )
+    b = Builder(tree)
+    own = b.out("GeometryNodeInputPosition")
+    place = b.out("FunctionNodeTransformPoint", own, b.input("Transform"))
+    surface = b.store(_with_normals(b), PLACE, place, "FLOAT_VECTOR")
+    rest = b.attribute_or("rest_position", "FLOAT_VECTOR", "VECTOR", own)
+    b.output("Shape", b.out("GeometryNodeSetPosition", surface, True, rest))
+    b.arrange()
+    return tree
+
+
+REST_SHAPE = Group("Dapple Rest Shape", _build_rest_shape)
+
+
+def _with_normals(b: Builder) -> Socket:
+    """The surface with its normals, where it is not smooth everywhere those of the face corners."""
+    surface = b.input("Surface")
+    hard, shaded = inner(b, SHADING, surface).outputs
+    normal = b.out("GeometryNodeInputNormal")
+    smooth = b.store(surface, NORMAL, normal, "FLOAT_VECTOR")
+    return b.switch("GEOMETRY", hard, smooth, shaded)

@@ -3,9 +3,11 @@
 
 import bpy
 
-from . import detail, instances, of_class, points, viewport
 from .builder import Builder, Socket, new_group
-from .groups import VERSION, VERSION_KEY, inner, version_of
+from .detail import DETAIL, DETAIL_INPUTS, VIEWPORT
+from .groups import VERSION, VERSION_KEY, Group, inner, version_of
+from .instances import INSTANCES
+from .points import NUMBERS, POINT_INPUTS, POINTS
 
 GROUP_NAME = "Dapple Scatter"
 _KINDS_KEY = "dapple_classes"  # that a group has inputs for; 0: one kind, inputs without a number
@@ -13,16 +15,15 @@ _INSTANCES, _BOUNDS, _POINTS = range(3)  # what the input Display asks for
 _DOT = 0.15  # radius of a point that is shown, in spacings
 
 INPUTS = [
-    *points.INPUTS,
+    *POINT_INPUTS,
     ("Spacing", "NodeSocketFloat"),
     ("Hidden", "NodeSocketFloat"),
     ("Display", "NodeSocketInt"),
 ]
-DETAIL_INPUTS = detail.INPUTS
 INSTANCE_INPUTS = [
     ("Instance", "NodeSocketObject"),
     ("Collection", "NodeSocketCollection"),
-    *((name, "NodeSocketFloat") for name in points.NUMBERS),
+    *((name, "NodeSocketFloat") for name in NUMBERS),
     ("Fit", "NodeSocketFloat"),
 ]
 KIND_INPUTS = [*INSTANCE_INPUTS, ("Weights", "NodeSocketString")]  # which no setting holds
@@ -77,14 +78,12 @@ def build(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree:
     tree.is_modifier = True
     tree[VERSION_KEY], tree[_KINDS_KEY] = VERSION, classes
     b = Builder(tree)
-    feeds = (*(b.input(name) for name, _ in points.INPUTS), *_numbers(b, kinds))
+    feeds = (*(b.input(name) for name, _ in POINT_INPUTS), *_numbers(b, kinds))
     hidden = b.input("Hidden")
-    shown = inner(b, viewport.VIEWPORT, inner(b, points.POINTS, *feeds).outputs[0], hidden).outputs[
-        0
-    ]
+    shown = inner(b, VIEWPORT, inner(b, POINTS, *feeds).outputs[0], hidden).outputs[0]
     if detailed:
         asked = (b.input(name) for name, _ in DETAIL_INPUTS)
-        shown = inner(b, detail.DETAIL, shown, *asked, hidden).outputs[0]
+        shown = inner(b, DETAIL, shown, *asked, hidden).outputs[0]
     b.output("Geometry", _displayed(b, shown, kinds))
     b.arrange()
     return tree
@@ -103,11 +102,11 @@ def _displayed(b: Builder, shown: Socket, kinds: list[int | None]) -> Socket:
 
 def _numbers(b: Builder, kinds: list[int | None]) -> list[Socket]:
     """Those among INSTANCE_INPUTS that belong to a point's class."""
-    first, *others = ([b.input(input_name(name, k)) for name in points.NUMBERS] for k in kinds)
+    first, *others = ([b.input(input_name(name, k)) for name in NUMBERS] for k in kinds)
     numbers = first
     for k, own in enumerate(others, 1):
         feeds = [socket for three in zip(numbers, first, own, strict=True) for socket in three]
-        numbers = list(inner(b, of_class.OF_CLASS, k, *feeds).outputs)
+        numbers = list(inner(b, OF_CLASS, k, *feeds).outputs)
     return numbers
 
 
@@ -126,4 +125,22 @@ def _instanced(b: Builder, placed: Socket, kind: int | None, boxes: Socket) -> S
     chosen = (b.input(input_name(name, kind)) for name in ("Instance", "Collection"))
     of, spacing = -1 if kind is None else kind, b.input("Spacing")
     sized = (b.input(input_name(name, kind)) for name in ("Fit", "Weights"))
-    return inner(b, instances.INSTANCES, placed, of, *chosen, spacing, boxes, *sized).outputs[0]
+    return inner(b, INSTANCES, placed, of, *chosen, spacing, boxes, *sized).outputs[0]
+
+
+def _build_of_class() -> bpy.types.NodeTree:
+    """New group; for each of NUMBERS the field so far, the first class's and this one's."""
+    sockets = (f"{name}{which}" for name in NUMBERS for which in (" So Far", " First", ""))
+    inputs = [("Class", "NodeSocketInt"), *((name, "NodeSocketFloat") for name in sockets)]
+    tree = new_group(OF_CLASS.name, inputs, [(name, "NodeSocketFloat") for name in NUMBERS])
+    b = Builder(tree)
+    here = b.compare("EQUAL", b.attribute("dapple_class", "INT"), b.input("Class"))
+    for name in NUMBERS:
+        before, own = b.input(f"{name} So Far"), b.input(name)
+        other = b.compare("NOT_EQUAL", own, b.input(f"{name} First"), "FLOAT")
+        b.output(name, b.switch("FLOAT", other, before, b.switch("FLOAT", here, before, own)))
+    b.arrange()
+    return tree
+
+
+OF_CLASS = Group("Dapple Class", _build_of_class)

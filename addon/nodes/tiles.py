@@ -3,9 +3,10 @@
 
 import bpy
 
-from . import bound_point, rest_point
+from .bound_place import BOUND_POINT
 from .builder import Builder, Socket, new_group
 from .groups import Group, inner
+from .rest_place import REST_POINT
 
 OFFSET = "dapple_offset"  # of a vertex from its place, in the axes there
 _CORNERS = [f"dapple_{kind}{k}" for kind in "vc" for k in range(3)]
@@ -50,14 +51,14 @@ TILES = Group("Dapple Tiles", _build_tiles)
 def _on_faces(b: Builder, surface: Socket) -> bpy.types.Node:
     corners = [b.attribute(name, "INT") for name in _CORNERS]
     weights = b.parts(b.attribute("dapple_barycentric", "FLOAT_VECTOR"))
-    return inner(b, bound_point.BOUND_POINT, surface, *corners, *weights, 0.0, 1.0)
+    return inner(b, BOUND_POINT, surface, *corners, *weights, 0.0, 1.0)
 
 
 def _at_rest(b: Builder, surface: Socket) -> bpy.types.Node:
     rest, ahead = (b.attribute(name, "FLOAT_VECTOR") for name in ("dapple_rest", "dapple_ahead"))
     part = b.attribute("dapple_part", "INT")
     feeds = (rest, ahead, 0.0, 1.0, part, b.input("Rest Parts"))
-    return inner(b, rest_point.REST_POINT, surface, *feeds)
+    return inner(b, REST_POINT, surface, *feeds)
 
 
 def _fits(b: Builder, surface: Socket) -> Socket:

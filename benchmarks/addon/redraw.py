@@ -13,7 +13,7 @@ import numpy as np
 
 from addon.blender import main_panel
 from addon.blender.base import panel_values
-from addon.blender.freshness import freshness
+from addon.blender.freshness import findings
 from addon.blender.surface.surface_mesh import read_surface
 from benchmarks.bake.made_up import add_bake, add_scatter
 
@@ -54,9 +54,9 @@ def measure_redraw(sites: int, faces: int, rounds: int) -> dict[str, float]:
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=side, y_subdivisions=side)
     surface = bpy.context.object
     arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
-    freshness.at_once = panel_values.at_once = False
-    vars(freshness)["is_shown"] = lambda _: True
-    freshness._PAUSE = freshness._PATIENCE = 0.0
+    findings.at_once = panel_values.at_once = False
+    vars(findings)["is_shown"] = lambda _: True
+    findings._PAUSE = findings._PATIENCE = 0.0
     taken: dict[str, float] = {}
     for baked in ("bound", "baked"):
         scatter = add_scatter(surface, arrays, sites)
@@ -77,7 +77,7 @@ def _cases(
         surface.data.vertices[0].co.z += 0.1
 
     _draw()
-    freshness.tick()
+    findings.tick()
     panel_values.tick()
     found = [
         ("a redraw", _median(_draw, rounds)),
@@ -88,7 +88,7 @@ def _cases(
         ("a look after another shape", shape),
     ]
     for name, change in changes:
-        found.append((name, _median(freshness.tick, rounds, change)))
+        found.append((name, _median(findings.tick, rounds, change)))
     return found
 
 

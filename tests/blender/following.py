@@ -40,7 +40,7 @@ def driven():
     watcher.enabled = True
     watcher._leaving()
     watcher._state.schedule._clock = clock = Clock()
-    pictures, glance = addon_host.part("blender.solve.painted_images"), 1.0
+    pictures, glance = addon_host.part("blender.solve.changes"), 1.0
     pictures._GLANCE = pictures._RARELY = 0.0  # check at every opportunity
     try:
         yield Driver(watcher, clock)

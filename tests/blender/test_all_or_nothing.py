@@ -172,8 +172,8 @@ def subdivided():
     return surface
 
 
-HAND, FACES = "blender.hand_points", "blender.surface.subdivision_operators"
-DENSITY = "blender.density.paint_operators"
+HAND, FACES = "blender.hand_points", "blender.surface.subdivision"
+DENSITY = "blender.density.operators"
 FIRST = {"name": "Sphere Scatter"}
 # Operator, its properties, preparation, and the last step as a module and a name in it.
 CASES = [
@@ -187,13 +187,13 @@ CASES = [
     ("mark_asset", {}, baked, "blender.assets.marking.keep_together"),
     ("place", {"surface": "Sphere"}, asset, "blender.solve.optimize.write_solved"),
     ("place", {"surface": "Sphere"}, asset, "blender.assets.placing._fit_classes"),
-    ("bake", {}, scattered, "blender.bake.writing._write_known"),
-    ("bake", {}, baked, "blender.bake.writing._write_known"),
-    ("bake", {}, born, "blender.bake.writing.write_baked"),
-    ("bake", {}, joined, "blender.bake.writing._write_known"),
+    ("bake", {}, scattered, "blender.bake.steps._write_known"),
+    ("bake", {}, baked, "blender.bake.steps._write_known"),
+    ("bake", {}, born, "blender.bake.steps.write_baked"),
+    ("bake", {}, joined, "blender.bake.steps._write_known"),
     ("clear_bake", {}, baked, "blender.bake.operators.clear_keys"),
     ("clear_bake", {}, born, "blender.bake.operators.clear_keys"),
-    ("discard_bake", {}, baked, "blender.freshness.freshness.touch"),
+    ("discard_bake", {}, baked, "blender.freshness.findings.touch"),
     ("export", {"filepath": "points.csv"}, scattered, "blender.export.operators.export_points"),
     ("drop_keys", {"action": "OPTIMIZE"}, baked, "blender.solve.optimize.write_solved"),
     ("drop_keys", {"action": "REBIND"}, baked, "blender.solve.session_solutions.write_own_ids"),
@@ -206,8 +206,8 @@ CASES = [
     ("rebind", {}, baked, "blender.solve.session_solutions.write_own_ids"),
     ("rebind", {}, born, "blender.solve.session_solutions.write_own_ids"),
     ("rebind", {}, at_rest, "blender.display.preview.solved_anew"),
-    ("tile", {}, scattered, "blender.tiles.steps.write_tiles"),
-    ("tile", {}, tiled, "blender.tiles.steps.write_tiles"),
+    ("tile", {}, scattered, "blender.tiles.operators.write_tiles"),
+    ("tile", {}, tiled, "blender.tiles.operators.write_tiles"),
     ("edit_points", {}, scattered, f"{HAND}.operators.begin_editing"),
     ("edit_points_done", {}, edited, f"{HAND}.operators.end_editing"),
     ("place_point", {}, edited, f"{HAND}.operators.add_vertex"),
@@ -224,7 +224,7 @@ CASES = [
     ("match_subdivision", {}, subdivided, f"{FACES}.match_subdivision"),
     ("show_density", {}, scattered, "blender.density.overlay.start"),
     *(
-        ("edit_classes", {"action": action}, made, "blender.object_types.operators.change_classes")
+        ("edit_classes", {"action": action}, made, "blender.object_types.classes.change_classes")
         for action in ("ADD", "REMOVE", "UP", "DOWN")
         for made in (scattered, two_types)
     ),
@@ -236,13 +236,13 @@ CASES = [
     ),
     ("remove_material", {"index": 0}, of_material, f"{DENSITY}.settings_changed"),
     ("lock", {"every": True}, scattered, f"{HAND}.operators.lock_points"),
-    ("select_overlap", {}, touching, "blender.object_types.operators.select_overlap"),
-    ("select_scatter", FIRST, two_scatters, "blender.add.list_operators.activate"),
-    ("select_surface", {}, two_scatters, "blender.add.list_operators.activate"),
-    ("solo_scatter", {}, two_scatters, "blender.add.list_operators.show_solo"),
-    ("copy_scatter", {}, baked, "blender.add.list_operators.copied"),
-    ("remove_scatter", {}, baked, "blender.add.list_operators.remove"),
-    ("remove_scatter", {}, born, "blender.add.list_operators.remove"),
+    ("select_overlap", {}, touching, "blender.object_types.classes.select_overlap"),
+    ("select_scatter", FIRST, two_scatters, "blender.add.scatter_list.activate"),
+    ("select_surface", {}, two_scatters, "blender.add.scatter_list.activate"),
+    ("solo_scatter", {}, two_scatters, "blender.add.scatter_list.show_solo"),
+    ("copy_scatter", {}, baked, "blender.add.scatter_list.copied"),
+    ("remove_scatter", {}, baked, "blender.add.scatter_list.remove"),
+    ("remove_scatter", {}, born, "blender.add.scatter_list.remove"),
     ("save_preset", {"name": "Other"}, scattered, "core.settings.presets.store"),
     ("load_preset", {"name": "Failing"}, saved, "blender.presets.operators.apply"),
     ("remove_preset", {"name": "Failing"}, saved, "core.settings.presets.remove"),

@@ -15,7 +15,7 @@ UNKNOWN, FITS = "not compared with the scene yet", "up to date"
 
 
 def part():
-    return addon_host.part("blender.freshness.freshness")
+    return addon_host.part("blender.freshness.findings")
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def waiting(monkeypatch):
             "read_around",
             "points_digest",
         ),
-        "blender.freshness.freshness": (
+        "blender.freshness.findings": (
             "verdict",
             "all_work_files",
             "unfinished",

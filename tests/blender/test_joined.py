@@ -225,7 +225,7 @@ def test_subdivision_of_the_parts_is_matched():
     made = tiles()
     subdivided(made[1], 1, 2)
     obj = over(*made, count=30)
-    topology = addon_host.part("blender.surface.topology")
+    topology = addon_host.part("blender.surface.subdivision")
     assert topology.differences(obj.dapple.surface, bpy.context.scene) == [
         "'Middle': Subdivision: 1 and 2"
     ]
@@ -411,7 +411,7 @@ def test_parts_do_not_block_their_own_points():
 def test_a_part_lists_the_scatters_and_optimize_works_while_they_are_hidden():
     left, middle, _ = tiles()
     obj = over(left, middle, count=30)
-    scatters = addon_host.part("blender.add.scatters")
+    scatters = addon_host.part("blender.add.scatter_list")
     assert scatters.scatters_of(middle) == [obj]
     obj.hide_viewport = True
     left.location.z = 2.0

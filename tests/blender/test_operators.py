@@ -216,7 +216,7 @@ class Window:
         started = lambda operator, *_: self._start("MODAL", True)  # noqa: E731
         monkeypatch.setattr(self.operators.StepsOperator, "invoke", started)
         asked = SimpleNamespace(ask=lambda _: self._start("BACKGROUND", True))
-        monkeypatch.setattr(self.operators, "watcher", asked)
+        monkeypatch.setattr(self.operators, "auto_update", asked)
 
     def press(self, kind, **properties):
         operator = SimpleNamespace(**properties)

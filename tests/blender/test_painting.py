@@ -343,7 +343,7 @@ def test_what_a_new_group_is_called_is_said_once():
 
 def test_it_is_said_where_no_brush_is_chosen(obj, monkeypatch):
     """Some Blenders come without brushes: strokes did nothing, and nothing told why."""
-    panel = addon_host.part("blender.density.paint_panel")
+    panel = addon_host.part("blender.density.panel")
     assert panel.lacks_brush("builtin.brush", None)
     assert not panel.lacks_brush("builtin.gradient", None)
     assert not panel.lacks_brush("", None)

@@ -85,7 +85,7 @@ class Layout:
 
     def template_list(self, kind, _, data, name, active_data, active):
         assert active in active_data.bl_rna.properties
-        kind = addon_host.part("blender.panels").DAPPLE_UL_classes
+        kind = addon_host.part("blender.main_panel").DAPPLE_UL_classes
         for index, item in enumerate(getattr(data, name)):
             draw = types.SimpleNamespace()
             kind.draw_item(draw, bpy.context, self, data, item, 0, active_data, active, index)
@@ -121,7 +121,7 @@ def test_a_scatter_shows_its_settings_and_its_result():
 
 def test_what_is_instanced_comes_before_the_solver():
     scenes.scattered(scenes.sphere())
-    kinds = addon_host.part("blender.panels").CLASSES
+    kinds = addon_host.part("blender.main_panel").SUB_PANELS
     titles = [kind.bl_label for kind in kinds if hasattr(kind, "bl_parent_id")]
     assert titles[:4] == ["Instances", "Amount", "Density", "Placement"]
     assert titles[-3:] == ["Animation", "Tiles", "Advanced"]

@@ -28,7 +28,7 @@ def redrawn(prepared, monkeypatch):
 
 
 COSTLY = {
-    "blender.surface.subdivision_operators": ("differences",),
+    "blender.surface.subdivision": ("differences",),
     "blender.object_types.panel": ("count_labels",),
     "blender.solve.figure_images": ("details_from", "settings_of"),
     "core.pictures": ("curve", "bars", "pattern"),

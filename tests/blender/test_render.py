@@ -16,7 +16,7 @@ def engine():
 
 
 def test_the_copy_that_is_evaluated_has_the_faces_that_a_render_gets():
-    topology = addon_host.part("blender.surface.topology")
+    topology = addon_host.part("blender.surface.subdivision")
     obj = scenes.tail(levels=1, render_levels=2)
     render = bpy.context.scene.render
     for simplify, expected in ((False, 1634), (True, 410)):

@@ -265,7 +265,7 @@ def test_a_preview_stands_along_the_shading_normal():
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     binding, _ = part("blender.scatter.points").read_binding(other, len(surface.data.vertices))
     before = scenes.positions(obj)
-    part("blender.display.preview_binding").show_binding(obj, binding)
+    part("blender.display.preview_steps").show_binding(obj, binding)
     bpy.context.view_layer.update()
     assert np.abs(scenes.positions(obj) - before).max() > 0.1
     assert degrees_off(obj, surface).max() < 0.5

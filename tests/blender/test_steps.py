@@ -92,7 +92,7 @@ def test_an_idle_thread_keeps_nothing_of_its_task(steps):
 
 
 def test_disabling_ends_idle_threads(steps):
-    worker = addon_host.part("core.base.worker")
+    worker = addon_host.part("core.base.steps")
 
     def generator():
         yield steps.Task(lambda _: None)
@@ -184,7 +184,7 @@ def test_closing_stops_the_worker_and_restores_the_frame(steps):
     assert scenes.snapshot() == before
     assert not stepper.waits
     at_work = [thread for thread in threading.enumerate() if thread.name == "dapple"]
-    assert len(at_work) == len(addon_host.part("core.base.worker")._free)
+    assert len(at_work) == len(addon_host.part("core.base.steps")._free)
 
 
 def test_a_scatter_removed_meanwhile_is_named(steps, errors):

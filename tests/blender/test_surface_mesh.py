@@ -21,7 +21,7 @@ PLACES = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 1), (-2, 2, 0), (-2, 0, 0), (0
 @pytest.mark.parametrize("faces", FACES.values(), ids=FACES.keys())
 def test_a_surface_has_the_triangles_and_corners_of_its_mesh(faces):
     reading = addon_host.part("blender.surface.surface_mesh")
-    corners = addon_host.part("blender.base.corners")
+    corners = addon_host.part("blender.base.mesh_arrays")
     mesh = bpy.data.meshes.new("Faces")
     mesh.from_pydata(PLACES, [], faces)
     obj = bpy.data.objects.new("Faces", mesh)

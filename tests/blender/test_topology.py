@@ -8,7 +8,7 @@ import scenes
 
 
 def check(obj):
-    addon_host.part("blender.surface.topology").check_render_topology(obj, bpy.context)
+    addon_host.part("blender.surface.subdivision").check_render_topology(obj, bpy.context)
 
 
 def refused(obj, words):

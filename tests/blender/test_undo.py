@@ -186,7 +186,7 @@ def selected_points():
 def test_steps_are_called_what_the_artist_has_done(live, artist, monkeypatch):
     """Blender lists them in Edit > Undo History."""
     names = []
-    for module in ("base.jobs", "solve.written"):
+    for module in ("base.jobs", "solve.auto_update"):
         monkeypatch.setattr(addon_host.part(f"blender.{module}"), "push_undo", names.append)
     surface = scenes.sphere()
     artist.press("add", count=30)

@@ -146,7 +146,7 @@ def test_a_new_option_is_a_setting_of_the_add_on(core):
     assert setting.tooltip == "Share of a step that is held back. In spacings"
     assert setting in core("settings.solver_options").EVENNESS, "a row of the panel"
     assert "damping" in core("settings.presets").NAMES[""]
-    assert core("settings.quality").quality_settings("REGULAR")["damping"] == 0.25
+    assert core("settings.solver_options").quality_settings("REGULAR")["damping"] == 0.25
 
 
 def test_a_new_option_of_the_add_on_reaches_the_solver_and_the_check(core):
@@ -196,7 +196,7 @@ def test_the_add_on_gives_words_to_an_option_in_one_place(root, name):
     """Beside that, presets of quality set some, and the panel looks at the limit."""
     sources = (root / "addon").rglob("*.py")
     naming = {path.name for path in sources if re.search(rf"\b{name}\b", path.read_text())}
-    assert naming - {"quality.py", "results_panel.py"} == {"solver_options.py"}
+    assert naming - {"results_panel.py"} == {"solver_options.py"}
 
 
 @pytest.mark.parametrize("name", ["repulsion_weight", "pattern_strength", "longest_motion"])

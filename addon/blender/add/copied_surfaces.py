@@ -6,13 +6,15 @@ from typing import Any
 
 import bpy
 
+from ...nodes import get_input, has_input, set_input
 from ..base import jobs, renders
 from ..base.handlers import Handlers
 from ..base.quiet import is_quiet
 from ..base.timers import call_off, call_within
 from ..scatter.library import read_only
+from ..scatter.modifier import scatter_modifier, write_surface_inputs
 from ..scatter.object import is_scatter
-from ..surface.joined_copies import follow_parts, note_parts, was_copied_with_parts
+from ..surface.joined import Piece, copied_with, is_joined, pieces_of
 
 
 @dataclass
@@ -71,3 +73,72 @@ def unregister() -> None:
     """Watch nothing."""
     _HANDLERS.unwatch()
     call_off(_begin)
+
+
+def note_parts(scatter: bpy.types.Object) -> None:
+    """Have a scatter know the parts of its surface."""
+    noted, surface = scatter.dapple.parts, scatter.dapple.surface
+    entries = surface.dapple.joined.entries if is_joined(surface) else ()
+    if noted.surface == surface and [*map(_object, noted.entries)] == [*map(_object, entries)]:
+        return
+    noted.surface = surface if entries else None
+    noted.entries.clear()
+    for entry in entries:
+        noted.entries.add().object = entry.object
+
+
+def was_copied_with_parts(scatter: bpy.types.Object) -> bool:
+    """Whether a scatter is a copy, made with parts of its surface."""
+    noted, surface = scatter.dapple.parts, scatter.dapple.surface
+    if noted.surface is None or noted.surface != surface:
+        return False
+    before, now = surface.dapple.joined.entries, noted.entries
+    return len(before) == len(now) and any(
+        one.object is not None and one.object != other.object
+        for one, other in zip(now, before, strict=True)
+    )
+
+
+def follow_parts(scatter: bpy.types.Object) -> None:
+    """Put a copied scatter on a surface of the parts that were copied with it, and of the others as
+    they are; scatters that were copied together are on the same one.
+    """
+    surface = scatter.dapple.surface
+    copies = {
+        other.object: one.object
+        for one, other in zip(
+            scatter.dapple.parts.entries, surface.dapple.joined.entries, strict=True
+        )
+        if one.object is not None
+    }
+    pieces = [_copied(piece, copies) for piece in pieces_of(surface)]
+    known = (one for one in bpy.data.objects if is_joined(one) and pieces_of(one) == pieces)
+    scatter.dapple.surface = next(known, None) or copied_with(surface, copies)
+    note_parts(scatter)
+    _take_tiles_along(scatter, surface)
+    modifier = scatter_modifier(scatter)
+    if modifier is not None:
+        write_surface_inputs(scatter, modifier)
+
+
+def _take_tiles_along(scatter: bpy.types.Object, before: bpy.types.Object) -> None:
+    """Have tiles that were copied too be on the surface that the scatter is on now."""
+    tiles, surface = scatter.dapple.tiles.object, scatter.dapple.surface
+    others = (one for one in bpy.data.objects if one != scatter and is_scatter(one))
+    if tiles is None or any(one.dapple.tiles.object == tiles for one in others):
+        return
+    if tiles.parent == before:
+        tiles.parent = surface
+    for modifier in tiles.modifiers:
+        asks = modifier.type == "NODES" and modifier.node_group and has_input(modifier, "Surface")
+        if asks and get_input(modifier, "Surface") == before:
+            set_input(modifier, "Surface", surface)
+
+
+def _copied(piece: Piece, copies: dict[bpy.types.Object, bpy.types.Object]) -> Piece:
+    path = tuple(copies.get(one, one) for one in piece.path)
+    return Piece(copies.get(piece.object, piece.object), path)
+
+
+def _object(entry: bpy.types.PropertyGroup) -> bpy.types.Object | None:
+    return entry.object

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the main panel shows of a surface: its scatters, and a button to add one."""
+"""The main panel of a surface: its scatters, a button to add one, the Add menu."""
 
 from dataclasses import dataclass
 
@@ -7,17 +7,18 @@ import bpy
 
 from ..base.labels import at_right
 from ..base.panel_values import Prepared
+from ..base.translation import told
 from ..presets.operators import draw_presets
 from ..scatter.object import is_surface
-from .list_operators import (
+from .operators import DAPPLE_OT_add, DAPPLE_OT_add_over_collection
+from .scatter_list import (
     DAPPLE_OT_copy_scatter,
     DAPPLE_OT_remove_scatter,
     DAPPLE_OT_select_scatter,
     DAPPLE_OT_solo_scatter,
+    is_solo,
+    scatters_of,
 )
-from .menu import DAPPLE_MT_over_collection
-from .operators import DAPPLE_OT_add
-from .scatters import is_solo, scatters_of
 
 
 @dataclass(frozen=True)
@@ -77,3 +78,29 @@ def _draw_listed(row: bpy.types.UILayout, one: Listed, text: str, several: bool)
         row.operator(solo, text="", icon="SOLO_ON", depress=one.solo).name = one.name
     row.operator(DAPPLE_OT_copy_scatter.bl_idname, text="", icon="DUPLICATE").name = one.name
     row.operator(DAPPLE_OT_remove_scatter.bl_idname, text="", icon="X").name = one.name
+
+
+class DAPPLE_MT_over_collection(bpy.types.Menu):
+    """Scatter over all objects of a collection, as one surface"""
+
+    bl_label = "Over Collection"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        for collection in context.scene.collection.children_recursive:
+            row = layout.operator(
+                DAPPLE_OT_add_over_collection.bl_idname,
+                text=collection.name,
+                translate=False,
+                icon="OUTLINER_COLLECTION",
+            )
+            row.collection = collection.name_full
+
+
+def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    """Entry of Add > Mesh."""
+    add = DAPPLE_OT_add.bl_idname
+    menu.layout.operator(add, text="Dapple Scatter", icon="OUTLINER_DATA_POINTCLOUD")
+    if context.scene.collection.children:
+        text = told("Dapple Scatter over Collection")
+        menu.layout.menu(DAPPLE_MT_over_collection.__name__, text=text)

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import bpy
 
-from ..base import extension
+from .. import base
 from ..base.panel_values import Prepared
 from ..base.step_operators import AllOrNothing
 from ..base.translation import reported, told
 
 NAME = "Dapple"
-FOLDER = extension.FOLDER / "assets"
+FOLDER = base.FOLDER / "assets"
 ASSETS_FILE = "dapple_nodes.blend"
 
 
@@ -101,16 +101,10 @@ class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
 
 def unregister() -> None:
     """Take the library back if the user asked for that."""
-    addon = bpy.context.preferences.addons.get(extension.PACKAGE)
+    addon = bpy.context.preferences.addons.get(base.PACKAGE)
     wanted = addon is not None and addon.preferences is not None
     if wanted and addon.preferences.remove_library:
         remove()
-
-
-CLASSES = (
-    DAPPLE_OT_add_asset_library,
-    DAPPLE_OT_remove_asset_library,
-)
 
 
 @dataclass(frozen=True)
@@ -126,3 +120,9 @@ def _assets(_: None) -> Assets:
 
 
 ASSETS = Prepared(_assets, Assets())
+
+
+CLASSES = (
+    DAPPLE_OT_add_asset_library,
+    DAPPLE_OT_remove_asset_library,
+)

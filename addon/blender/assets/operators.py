@@ -11,8 +11,10 @@ from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps
 from ..base import jobs
 from ..base.jobs import Outcome
+from ..base.labels import lines_of
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator, tried
 from ..base.translation import reported, told
+from ..scatter.library import read_only
 from ..scatter.object import is_surface, is_unsolved
 from ..surface.polls import ready
 from . import dropped
@@ -93,6 +95,22 @@ class DAPPLE_OT_place(StepsOperator, bpy.types.Operator):
         if not is_surface(found):
             raise ScatterError(f"'{self.surface}' is not a surface of the view layer")
         return found
+
+
+def draw_placing(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bool:
+    """The question for a surface; False: it has one."""
+    if dropped.note(obj):
+        lines_of(layout, dropped.note(obj), "INFO")
+    if not is_unsolved(obj) or obj.dapple.surface is not None:
+        return False
+    if read_only(obj):
+        lines_of(layout, read_only(obj), "LIBRARY_DATA_DIRECT")
+        return True
+    lines_of(layout, told("Choose a surface: the points follow by themselves"), "INFO")
+    row = layout.row()
+    row.scale_y = 1.5
+    row.prop(obj.dapple, "surface")
+    return True
 
 
 CLASSES = (DAPPLE_OT_mark_asset, DAPPLE_OT_place)

@@ -10,11 +10,11 @@ from ..base.jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator, is_under_way
 from ..base.translation import counted, operator_label, reported, told
 from ..display import preview
-from ..freshness import freshness
+from ..freshness import findings
 from ..freshness.unfinished_bakes import all_work_files, finished_files
 from ..scatter.key_writing import clear_keys
 from ..scatter.object import is_scatter
-from ..surface.members import members_of
+from ..surface.joined import members_of
 from ..surface.polls import ready, writable
 from .steps import bake_steps
 
@@ -88,7 +88,7 @@ class DAPPLE_OT_discard_bake(AllOrNothing, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if is_under_way() or not is_scatter(context.object):
             return False
-        return freshness.has_work_files(context.object, context)
+        return findings.has_work_files(context.object, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         if bpy.app.background:
@@ -110,7 +110,7 @@ class DAPPLE_OT_discard_bake(AllOrNothing, bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> None:
         for files in all_work_files(context.object):
             files.clear()
-        freshness.touch(context.object)
+        findings.touch(context.object)
 
 
 CLASSES = (DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake)

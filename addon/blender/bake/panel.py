@@ -9,8 +9,8 @@ from ...core.settings.solver_options import MOTION
 from ..base.labels import lines_of
 from ..base.translation import counted, told
 from ..display import preview
-from ..display.preview_operators import DAPPLE_OT_preview
-from ..freshness import freshness
+from ..display.preview import DAPPLE_OT_preview
+from ..freshness import findings
 from ..freshness.contents import frozen_note
 from ..freshness.unfinished_bakes import unsaved_note
 from ..scatter.object import follows_masks
@@ -58,12 +58,12 @@ class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
         row.prop(settings, "preview_budget", text="Time (ms)")
         if preview.note(context.object):
             lines_of(layout, preview.note(context.object), "INFO")
-        _draw_work_files(layout, freshness.findings(context.object, context))
+        _draw_work_files(layout, findings.findings(context.object, context))
         if unsaved_note() and not settings.baked_keys:
             lines_of(layout, unsaved_note(), "INFO")
 
 
-def _draw_work_files(layout: bpy.types.UILayout, known: freshness.Findings | None) -> None:
+def _draw_work_files(layout: bpy.types.UILayout, known: findings.Findings | None) -> None:
     if known is None:
         return
     if known.unfinished:

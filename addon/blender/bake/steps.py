@@ -8,23 +8,25 @@ from typing import Any
 import bpy
 
 from ...core.bake.baker import Baker
+from ...core.bake.population import PopulationBaker
 from ...core.base.errors import ScatterError, StoppedError
 from ...core.base.steps import Steps, Task
 from ...core.surface.arrays import SurfaceArrays
+from ...core.surface.rest import at_rest
+from ..base.all_or_nothing import all_or_nothing
+from ..base.mesh_arrays import to_local
 from ..base.object_handles import Held
 from ..base.times import times_of
 from ..base.translation import reported
 from ..freshness.concurrent_edits import Meanwhile
+from ..scatter.key_writing import write_baked
+from ..scatter.modifier import ensure_modifier, write_surface_inputs
 from ..scatter.object import settings_of, surface_of
+from ..scatter.store import write_binding, write_scattered
 from ..surface.reading import at_frame, frame_kept
 from ..surface.rest_position import rest_position
-from .bakers import new_baker
-from .bare_frames import begin_of, read_frame
-from .crossing import crossed
-from .frame_masks import Masks
-from .reordered import Steady
-from .start import begin_bake
-from .writing import write_bake
+from .frames import Masks, Steady, begin_of, crossed, read_frame
+from .start import Begun, begin_bake, frozen_in, new_baker
 
 
 def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
@@ -130,3 +132,28 @@ def _stopped(baker: Baker) -> str:
         count=len(baker.reports),
         folder=baker.sidecar.folder,
     )
+
+
+def write_bake(obj: bpy.types.Object, begun: Begun, baker: Baker, kind: str) -> None:
+    """Store what a baker has solved; what cannot be stored is found before anything is lost."""
+    begun.note(baker.grounds.moving)
+    rest = at_rest(baker.begin, baker.first_surface) if kind == "REST" else None
+    born = baker.born() if isinstance(baker, PopulationBaker) else None
+    if born is not None:
+        to_local(obj, born.positions)  # where that cannot be, nothing is lost yet
+    with all_or_nothing(bpy.context, [obj]):
+        if begun.solved is not None:
+            write_scattered(obj, baker.first_surface, begun.solved, rest)
+        elif "REST" in (kind, obj.dapple.bound_to):
+            write_binding(obj, baker.first_surface, baker.begin, rest)
+        write_baked(obj, baker.baked(), baker.first, baker.report(), born, begun.sources)
+        _write_known(obj, begun, baker)
+
+
+def _write_known(obj: bpy.types.Object, begun: Begun, baker: Baker) -> None:
+    """What a bake was solved from, and all faces that it has seen."""
+    obj.dapple.bake_fingerprint = baker.fingerprint
+    obj.dapple.baked_frozen = " ".join(frozen_in(begun, baker))
+    known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])
+    obj.dapple.surface_topology = " ".join(known)
+    write_surface_inputs(obj, ensure_modifier(obj))

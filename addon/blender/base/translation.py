@@ -19,9 +19,9 @@ from typing import Any
 import bpy
 from bpy.app.translations import pgettext_iface, pgettext_rpt
 
-from . import extension
+from .. import base
 
-FOLDER = extension.FOLDER / "translations"
+FOLDER = base.FOLDER / "translations"
 OWN = "Dapple"  # context of names that Blender translates as something else
 Messages = dict[tuple[str, str], str]  # (context, English message): text
 Say = Callable[..., str]  # told or english
@@ -98,9 +98,9 @@ def _read(path: Path) -> Messages:
 
 def register() -> None:
     """Give Blender the catalogs."""
-    bpy.app.translations.register(extension.PACKAGE, catalogs(FOLDER))
+    bpy.app.translations.register(base.PACKAGE, catalogs(FOLDER))
 
 
 def unregister() -> None:
     """Take them back."""
-    bpy.app.translations.unregister(extension.PACKAGE)
+    bpy.app.translations.unregister(base.PACKAGE)

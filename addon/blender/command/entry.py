@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command that the add-on adds to Blender's command line; its work on all scatters."""
+"""The command on Blender's command line: work on all scatters, exit codes, report."""
 
+import json
 import time
 import traceback
 from collections.abc import Callable
@@ -10,9 +11,10 @@ from typing import Any
 
 import bpy
 
+from ...core.base.atomic_file import part_of, replacing
 from ...core.base.errors import ScatterError, StoppedError
+from ...core.base.native import missing, package
 from .arguments import Asked, parsed
-from .report import write_report
 from .reporting import Stops, Teller, run_told
 from .shot import Shot
 from .verbs import CURRENT, OUTDATED, VERBS, Facts
@@ -20,6 +22,7 @@ from .verbs import CURRENT, OUTDATED, VERBS, Facts
 NAME = "dapple"
 FAILED, STOPPED = "failed", "stopped"
 _SIGNALED = 128  # is added to the number of a signal
+FORMAT = 1  # another number where a program that reads reports would not understand it
 
 
 @dataclass
@@ -162,3 +165,18 @@ def unregister() -> None:
     if _state.handle is not None:
         bpy.utils.unregister_cli_command(_state.handle)
         _state.handle = None
+
+
+def write_report(path: Path, verb: str, facts: dict[str, Any]) -> None:
+    """Write what was done; OSError where that fails."""
+    report = {
+        "format": FORMAT,
+        "command": verb,
+        "file": bpy.data.filepath,
+        "dapple": "" if missing() else package().__version__,
+        "blender": bpy.app.version_string,
+        **facts,
+    }
+    path = path.absolute()
+    with replacing(path, part_of(path)) as part:
+        part.write_text(json.dumps(report, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -10,19 +10,23 @@ import bpy
 
 from ...core.bake.baker import Baker
 from ...core.base.errors import ScatterError
-from ...core.base.steps import PAUSE, Steps
+from ...core.base.steps import PAUSE, Steps, Task
 from ..bake.steps import bake_steps
+from ..base.times import show_time, time_of, times_of
 from ..export.points import export_points
+from ..freshness.contents import solved_time
+from ..freshness.scene_snapshot import AROUND, SURFACE, VALUES, Present
+from ..freshness.staleness import verdict
 from ..scatter.object import is_unsolved
 from ..solve.optimize import optimize_steps
 from ..surface.reading import frame_kept
 from .arguments import Asked
-from .checking import stale_in
 
 Facts = dict[str, Any]  # of a scatter, in the report
 
 BAKED, OPTIMIZED, EXPORTED = "baked", "optimized", "exported"
 CURRENT, OUTDATED = "up to date", "out of date"
+_NOTHING = Task(lambda _: None)
 
 
 @dataclass(frozen=True)
@@ -128,3 +132,28 @@ VERBS = {
     "check": Verb(_check),
     "export": Verb(_export, together=True),
 }
+
+
+def stale_in(obj: bpy.types.Object, first: int, last: int) -> Any:
+    """Steps that return why a result does not fit, in the first frame where it does not; empty
+    when it fits. A scatter without a bake is compared in the frame in which it was optimized.
+    """
+    scene, present = bpy.context.scene, Present()
+    times = _times(obj, scene, first, last)
+    with frame_kept(scene):
+        for step, time in enumerate(times):
+            yield Task(_NOTHING.call, step / len(times), (step + 1) / len(times))
+            show_time(scene, time)
+            present.forget(SURFACE, VALUES, AROUND)
+            reason = verdict(obj, bpy.context, present).reason
+            if reason:
+                return reason
+    return ""
+
+
+def _times(obj: bpy.types.Object, scene: bpy.types.Scene, first: int, last: int) -> list[float]:
+    if obj.dapple.baked_keys:
+        begin, end = times_of(scene, first, last)
+        return [float(time) for time in range(begin, end + 1)]
+    solved = solved_time(obj)
+    return [time_of(scene) if solved is None else solved]

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sub-panel for where there are to be more points, and for what they avoid."""
+"""The sub-panel Density, and the main panel while the surface is painted."""
 
 from itertools import groupby
 from typing import ClassVar
 
 import bpy
 
+from ...core.base.errors import ScatterError
+from ...core.base.native import package
 from ...core.settings.density_table import DENSITY
 from ...core.settings.descriptors import Kind, Setting
 from ...core.settings.mask_table import MASKS
@@ -14,18 +16,22 @@ from ..base.panel_values import Prepared
 from ..base.translation import told
 from ..scatter.object import material_name
 from ..scatter.panel import ScatterPanel, draw_in_header
-from ..surface import borders
+from ..solve.panel import draw_amount
+from ..solve.results_panel import draw_result
 from ..surface.beside import by_full_name
 from ..surface.joined import parts_of
-from ..surface.materials import surface_materials
+from ..surface.surface_mesh import read_surface
+from ..surface.values import surface_materials
 from . import overlay
-from .paint_operators import (
+from .operators import (
     DAPPLE_OT_add_material,
     DAPPLE_OT_paint_blocked,
     DAPPLE_OT_paint_density,
+    DAPPLE_OT_paint_done,
     DAPPLE_OT_remove_material,
     DAPPLE_OT_show_density,
 )
+from .painting import painted_group, painted_scatter
 
 SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_camera")
 _ENDS = ("_invert", "_strength")  # which are in a row of their own
@@ -33,6 +39,8 @@ _AVOIDED = [one for one in DENSITY if "obstacles" in (one.name, one.under)]
 _PLAIN = [
     one for one in DENSITY if not {one.name, one.under} & set(SWITCHES) and one not in _AVOIDED
 ]
+_MOST = 64
+_known: dict[tuple[int, str], bool] = {}  # by the surface's session_uid and its faces
 
 
 class DAPPLE_PT_density(ScatterPanel, bpy.types.Panel):
@@ -135,7 +143,7 @@ def _draw_note(box: bpy.types.UILayout, obj: bpy.types.Object, switch: str) -> N
         lines_of(box, told("No effect yet: choose an object or a collection"), "INFO")
     if switch == "use_material":
         _draw_material_note(box, obj)
-    if switch == "use_border" and borders.IS_CLOSED.of(obj):
+    if switch == "use_border" and IS_CLOSED.of(obj):
         lines_of(box, told("No effect: the surface is closed and has no border"), "INFO")
 
 
@@ -169,3 +177,81 @@ def _materials(obj: bpy.types.Object) -> tuple[str, ...]:
 
 
 MATERIALS = Prepared(_materials, None)  # of the surface of a scatter, by their full names
+
+
+def is_closed(obj: bpy.types.Object) -> bool:
+    """Whether the surface of a scatter had no border when it was solved."""
+    surface = obj.dapple.surface
+    if surface is None:
+        return False
+    key = surface.session_uid, obj.dapple.surface_topology
+    if key not in _known:
+        while len(_known) >= _MOST:
+            del _known[next(iter(_known))]
+        _known[key] = _look(surface)
+    return _known[key]
+
+
+def _look(surface: bpy.types.Object) -> bool:
+    try:
+        arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    except ScatterError:  # it says so elsewhere
+        return False
+    if not len(arrays.faces):
+        return False
+    return not len(package().density.border_edges(arrays.vertices, arrays.faces))
+
+
+IS_CLOSED = Prepared(is_closed, False)  # whether the surface of a scatter is
+
+
+def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool:
+    """The scatter that is painted, what strokes change, the result, the way back; False: none."""
+    obj = painted_scatter(context)
+    if obj is None:
+        return False
+    lines_of(layout, *_what(context, obj))
+    if lacks_brush(_tool_name(context), context.tool_settings.weight_paint.brush):
+        lines_of(layout, told("No brush is chosen: strokes paint nothing"), "ERROR")
+    _draw_weight(layout, context.tool_settings)
+    row = layout.row()
+    row.scale_y = 1.5
+    row.operator(DAPPLE_OT_paint_done.bl_idname, text="Done", icon="CHECKMARK")
+    draw_amount(layout, obj.dapple)
+    layout.prop(obj.dapple, "auto_update")
+    draw_result(layout, context, obj)
+    return True
+
+
+def _what(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, str]:
+    """What strokes change now, which another vertex group makes something else: (text, icon)."""
+    group, painted = painted_group(context)
+    if painted is None:
+        return told("'{name}' does not use the active vertex group", name=obj.name), "ERROR"
+    if painted.setting == "blocked":
+        text = told("Painting where '{name}' has no points: '{group}'", name=obj.name, group=group)
+        return text, "WPAINT_HLT"
+    text = told("Painting the density of '{name}': '{group}'", name=obj.name, group=group)
+    return text, "WPAINT_HLT"
+
+
+def _tool_name(context: bpy.types.Context) -> str:
+    space = context.workspace  # a background Blender may have none
+    tool = space.tools.from_space_view3d_mode("PAINT_WEIGHT") if space else None
+    return tool.idname if tool else ""
+
+
+def lacks_brush(tool: str, brush: bpy.types.Brush | None) -> bool:
+    """Whether a tool paints with a brush and has none, as in a Blender that comes without them."""
+    return brush is None and tool.startswith("builtin.brush")
+
+
+def _draw_weight(layout: bpy.types.UILayout, tools: bpy.types.ToolSettings) -> None:
+    """The weight that strokes leave, of the brush or of all brushes; Blender 5 moved the latter."""
+    brush, kept = tools.weight_paint.brush, tools.weight_paint
+    if not hasattr(kept, "unified_paint_settings"):
+        kept = tools
+    shared = kept.unified_paint_settings
+    owner = shared if shared.use_unified_weight else brush
+    if owner is not None:  # another kind of tool has no brush
+        layout.prop(owner, "weight", slider=True)

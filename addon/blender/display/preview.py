@@ -18,12 +18,13 @@ from ...core.base.steps import Stepper
 from ..base.handlers import Handlers
 from ..base.object_handles import Held
 from ..base.renders import busy, when_one_begins
+from ..base.step_operators import AllOrNothing
 from ..base.timers import call_off, call_within
 from ..base.translation import told
 from ..scatter.object import surface_of
 from ..scatter.points import own_points
-from .preview_binding import clear_bindings
-from .preview_steps import Preview, begin_steps, follow_steps
+from ..surface.polls import ready
+from .preview_steps import Preview, begin_steps, clear_bindings, follow_steps
 
 _TICK = 0.05  # seconds between two looks at the surface
 _POLL = 0.005  # seconds between two looks at a worker
@@ -238,3 +239,22 @@ def unregister() -> None:
     _give_all_up()
     if hasattr(bpy.data, "objects"):  # there is no file yet while Blender starts
         clear_bindings()
+
+
+class DAPPLE_OT_preview(AllOrNothing, bpy.types.Operator):
+    """Keep the points even in the viewport while scrubbing or posing, but not in renders. Run
+    again to stop"""
+
+    bl_idname = "dapple.preview"
+    bl_label = "Live Preview"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def work(self, context: bpy.types.Context) -> None:
+        obj = context.object
+        (stop if is_on(obj) else start)(obj)
+
+
+CLASSES = (DAPPLE_OT_preview,)

@@ -29,7 +29,7 @@ from ..scatter.key_stores import key_tables, stores_of
 from ..scatter.object import settings_of
 from ..scatter.points import points_digest
 from ..surface.beside import own_objects
-from ..surface.members import collections_of, members_of
+from ..surface.joined import collections_of, members_of
 from ..surface.surface_mesh import read_surface, value_digests
 from ..surface.surroundings import read_around
 

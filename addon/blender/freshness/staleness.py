@@ -4,18 +4,19 @@
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from ...core.base.errors import ScatterError
+from ...core.solve.stale import moved
+from ...core.surface.records import RESULT_KEY
 from ...core.surface.sources import Sources
-from ..base.translation import told
-from ..scatter.hand_marks import touched_places
+from ..base.times import time_of, times_of, whole_time
+from ..base.translation import counted, told
+from ..scatter.key_stores import frames, key_points
 from ..scatter.object import is_surface, settings_reason, solve_again
-from ..scatter.points import points_digest
-from ..surface.joined import has_lost_some, is_joined, parts_of, pieces_of
-from ..surface.members import wanted
-from .bake_staleness import bake_reason, bound_vertices, is_baked_bare
+from ..scatter.points import points_digest, touched_places
+from ..surface.joined import has_lost_some, is_joined, parts_of, pieces_of, wanted
 from .contents import contents, other_surface, solution_reason
-from .point_edits import points_reason
 from .scene_snapshot import Looked, Present
 
 
@@ -164,3 +165,123 @@ def needs_solving(obj: bpy.types.Object, now: Sources) -> bool:
     placed = touched_places(obj) is not None
     changed = placed or other_faces or other_binding or undone
     return changed or bool(solution_reason(obj, now))
+
+
+def bake_reason(
+    obj: bpy.types.Object, scene: bpy.types.Scene, present: Present, looked: Looked
+) -> str:
+    """The first of the reasons in words; empty when the bake fits."""
+    reasons = (
+        _key_reason(obj, present),
+        _range_reason(obj, scene),
+        _motion_reason(obj, scene, looked),
+    )
+    return next((solve_again(obj, reason) for reason in reasons if reason), "")
+
+
+def _key_reason(obj: bpy.types.Object, present: Present) -> str:
+    wrong = present.wrong_key(obj)
+    return told("The keyframes are damaged: {wrong}", wrong=wrong) if wrong else ""
+
+
+def _range_reason(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
+    first = obj.dapple.baked_start
+    last = first + obj.dapple.baked_frames - 1
+    start, end = times_of(scene, scene.frame_start, scene.frame_end)
+    if first <= start and end <= last:
+        return ""
+    return told(
+        "Frames {first} to {last} are baked, the scene has {start} to {end}",
+        first=first,
+        last=last,
+        start=start,
+        end=end,
+    )
+
+
+def _motion_reason(obj: bpy.types.Object, scene: bpy.types.Scene, looked: Looked) -> str:
+    frame = _baked_frame(obj, scene)
+    if frame is None:
+        return ""
+    columns = frames(obj)
+    stored = np.array([columns[f"dapple_sketch{k}"][frame] for k in range(3)], dtype=np.float64)
+    if stored.any() or looked.bare:
+        if obj.dapple.bound_to == "REST" and looked.vertices != columns["dapple_vertices"][frame]:
+            return ""  # other faces of the same shape: vertices cannot be compared
+        if not moved(stored, looked.sketched):
+            return ""
+    return told(
+        "Surface '{surface}' moves differently than when it was baked (frame {frame})",
+        surface=obj.dapple.surface.name,
+        frame=whole_time(scene),
+    )
+
+
+def _baked_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int | None:
+    """Index of the time that is shown in the bake, if it is a whole one of it."""
+    time = whole_time(scene)
+    if time is None or not 0 <= time - obj.dapple.baked_start < obj.dapple.baked_frames:
+        return None
+    return time - obj.dapple.baked_start
+
+
+def is_baked_bare(obj: bpy.types.Object, scene: bpy.types.Scene, looked: Looked) -> bool:
+    """Whether a surface has no faces now as it had none in the bake."""
+    baked = looked.bare and obj.dapple.baked_keys > 0
+    return baked and looked.vertices in bound_vertices(obj, scene)
+
+
+def bound_vertices(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[int]:
+    """Numbers of vertices that fit now: between two frames, that of either."""
+    if not obj.dapple.baked_keys:
+        return [obj.dapple.surface_vertices]
+    table = frames(obj)["dapple_vertices"]
+    if not len(table):
+        raise ScatterError(f"Scatter '{obj.name}' has no baked frame: bake again")
+    time = time_of(scene) - obj.dapple.baked_start
+    around = np.clip([np.floor(time), np.ceil(time)], 0, len(table) - 1).astype(int)
+    return [int(count) for count in table[around]]
+
+
+def is_edited(obj: bpy.types.Object) -> bool:
+    """Whether points were edited by hand since they were stored."""
+    stored = obj.dapple.solved_points, obj.data.get(RESULT_KEY)
+    return bool(stored[0]) and points_digest(obj) not in stored
+
+
+def points_reason(obj: bpy.types.Object, present: Present) -> str:
+    """Whether points were edited by hand, or added and removed under the keys."""
+    if obj.dapple.baked_keys and len(obj.data.vertices) != key_points(obj):
+        return solve_again(obj, told("Points were added or removed since the bake"))
+    reason = _edited_reason(obj, present)
+    if reason and obj.data.get(RESULT_KEY) == present.points(obj):
+        return solve_again(obj, told("An undo brought back points of other settings"))
+    return reason or _placed_reason(obj)
+
+
+def _edited_reason(obj: bpy.types.Object, present: Present) -> str:
+    if not obj.dapple.baked_keys and obj.dapple.report.count != len(obj.data.vertices):
+        return _added_or_removed(len(obj.data.vertices) - obj.dapple.report.count)
+    if not obj.dapple.solved_points or present.points(obj) == obj.dapple.solved_points:
+        return ""
+    return told("Points were edited by hand: reattach them, or lock them and optimize")
+
+
+def _placed_reason(obj: bpy.types.Object) -> str:
+    if obj.dapple.baked_keys or touched_places(obj) is None:
+        return ""
+    return solve_again(obj, told("Points were placed by hand; their neighbors are uneven"))
+
+
+def _added_or_removed(added: int) -> str:
+    if added > 0:
+        return counted(
+            added,
+            "{count} point was added by hand: reattach it, or lock it and optimize",
+            "{count:,} points were added by hand: reattach them, or lock them and optimize",
+        )
+    return counted(
+        -added,
+        "{count} point was removed by hand: reattach to keep the others, or optimize",
+        "{count:,} points were removed by hand: reattach to keep the others, or optimize",
+    )

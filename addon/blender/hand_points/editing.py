@@ -8,7 +8,7 @@ import numpy as np
 from ...core.base.errors import ScatterError
 from ...core.surface.arrays import Floats
 from ..base.mesh_arrays import read_points, to_local, to_world
-from ..freshness.point_edits import is_edited
+from ..freshness.staleness import is_edited
 from ..scatter.library import own_mesh
 from ..scatter.modifier import scatter_modifier
 from ..scatter.object import is_scatter, surface_of
@@ -16,8 +16,14 @@ from ..scatter.points import point_columns_of, write_digest
 from ..solve.session_solutions import known_as_placed
 from ..surface.bound import current_binding
 from ..surface.reading import read
-from .hand_placed import take_in
-from .placed import forget_places, is_being_edited, moved_points, new_points, note_places
+from .hand_placed import (
+    forget_places,
+    is_being_edited,
+    moved_points,
+    new_points,
+    note_places,
+    take_in,
+)
 
 _SAME = 1e-5  # of the extent of the points: those that are moved by less are where they were
 

@@ -10,21 +10,42 @@ from dataclasses import replace
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
-from ...core.solve.hand_placed import attached
+from ...core.solve.solve import Attached, attached
+from ...core.solve.stale import changed_settings, settings_text
 from ...core.surface.arrays import Floats, SurfaceArrays
-from ...core.surface.records import Binding
+from ...core.surface.records import (
+    PLACED_ATTRIBUTES,
+    ROW_ATTRIBUTES,
+    Binding,
+    Columns,
+    binding_from,
+    repeated,
+    unbound,
+)
 from ...core.surface.rest import AtRest
-from ..base.mesh_arrays import read_points, to_world
+from ..base.mesh_arrays import read_columns, read_points, to_local, to_world, write_columns
 from ..base.object_handles import Held
-from ..scatter.object import surface_of
-from ..scatter.points import columns_with_own_ids, read_at_rest
+from ..scatter.library import own_mesh
+from ..scatter.object import settings_of, surface_of
+from ..scatter.points import (
+    add_touched,
+    columns_with_own_ids,
+    own_columns,
+    point_columns_of,
+    read_at_rest,
+    write_digest,
+)
+from ..scatter.store import write_binding, write_own_ids
 from ..solve.session_solutions import known_as_placed
 from ..surface.bound import binding_now, other_faces, rest_of
 from ..surface.reading import read
 from ..surface.rest_position import rest_position
-from .counts import follow_count
-from .placed import Chosen, blank_points, new_points, write_placed
+from .locking import write_locked
+
+Chosen = NDArray[np.bool_]  # per point
+(_PLACED,) = PLACED_ATTRIBUTES
 
 
 def take_in(
@@ -71,3 +92,75 @@ def _rest(
     for name, values in columns.items():
         values[placed] = found.columns[name][placed]
     return AtRest(columns, found.parts)
+
+
+def follow_count(obj: bpy.types.Object) -> None:
+    """Have the settings ask for as many points as there are, unless they were changed since the
+    points were solved: then they say what is wanted.
+    """
+    if not obj.dapple.solved_settings:
+        return
+    changed = changed_settings(obj.dapple.solved_settings, settings_of(obj))
+    classes = point_columns_of(obj)["dapple_class"]
+    if "classes" not in changed:
+        counts = np.bincount(classes, minlength=len(obj.dapple.classes))
+        for kind, count in zip(obj.dapple.classes, counts.tolist(), strict=False):
+            if kind.use_count and kind.count != count and count:
+                kind.count = count
+    if obj.dapple.amount == "COUNT" and "count" not in changed and len(classes):
+        obj.dapple.count = len(classes)
+    if not changed:
+        obj.dapple.solved_settings = settings_text(settings_of(obj))
+
+
+def is_being_edited(obj: bpy.types.Object) -> bool:
+    """Whether the points are edited, and the places are known that they had."""
+    return _PLACED in obj.data.attributes
+
+
+def note_places(obj: bpy.types.Object) -> None:
+    """Remember where the points are."""
+    write_columns(own_mesh(obj), {_PLACED: read_points(obj.data)}, PLACED_ATTRIBUTES)
+
+
+def forget_places(obj: bpy.types.Object) -> None:
+    """Remember no more where they were."""
+    mesh = own_mesh(obj)
+    mesh.attributes.remove(mesh.attributes[_PLACED])
+
+
+def moved_points(obj: bpy.types.Object) -> Chosen:
+    """Points that are not where they were."""
+    before = read_columns(obj.data, PLACED_ATTRIBUTES)[_PLACED].astype(np.float64)
+    found: Chosen = (before != read_points(obj.data)).any(axis=1)
+    return found
+
+
+def blank_points(obj: bpy.types.Object) -> Chosen:
+    """Points that were added by hand and are attached to nothing yet."""
+    return unbound(binding_from(own_columns(obj, ROW_ATTRIBUTES)))
+
+
+def new_points(obj: bpy.types.Object) -> Chosen:
+    """Points that were added or copied by hand."""
+    return blank_points(obj) | repeated(own_columns(obj, {"id": "INT"})["id"])
+
+
+def write_placed(
+    obj: bpy.types.Object,
+    arrays: SurfaceArrays,
+    found: Attached,
+    placed: Chosen,
+    columns: Columns,
+    rest: AtRest | None,
+) -> None:
+    """Store placed points where they were attached, and lock them."""
+    mesh, places = own_mesh(obj), read_points(obj.data)
+    places[placed] = to_local(obj, found.positions[placed])
+    mesh.vertices.foreach_set("co", places.astype(np.float32).ravel())
+    write_binding(obj, arrays, found.binding, rest)
+    write_own_ids(obj, columns)
+    write_locked(obj, placed)
+    inverse = np.linalg.pinv(arrays.matrix)  # which a flattened surface has too
+    add_touched(obj, found.touched @ inverse[:3, :3].T + inverse[:3, 3])
+    write_digest(obj)

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a ray from the viewport meets a surface."""
+"""The place of a surface that is under the mouse."""
 
 import bpy
 import numpy as np
+from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from ...core.surface.arrays import Floats
+from ..scatter.object import surface_of
 from ..surface.surface_mesh import evaluated_mesh
 
 
@@ -25,3 +27,13 @@ def met(surface: bpy.types.Object, origin: Vector, direction: Vector) -> Floats 
         place = tree.ray_cast(begin, end - begin)[0]
         there = place is not None
     return np.array(matrix @ place) if there else None
+
+
+def place_under_mouse(context: bpy.types.Context, event: bpy.types.Event) -> Floats | None:
+    """The place of the active scatter's surface that is under the mouse; None: none is."""
+    region, view = context.region, context.region_data
+    if view is None:
+        return None
+    at = event.mouse_region_x, event.mouse_region_y
+    origin = region_2d_to_origin_3d(region, view, at)
+    return met(surface_of(context.object), origin, region_2d_to_vector_3d(region, view, at))

@@ -4,20 +4,25 @@
 from typing import Any, ClassVar
 
 import bpy
+import gpu
 import numpy as np
 from bpy.props import BoolProperty
+from gpu_extras.batch import batch_for_shader
 
 from ...core.surface.arrays import Floats
 from ..base.step_operators import Status, tried
 from ..base.translation import reported
 from ..solve import auto_update
 from ..surface.polls import editable
-from .mouse import place_under_mouse
-from .pulled_line import Line
+from .picking import place_under_mouse
 from .single_points import add_point, move_point, nearest_point, remove_point
 
 _GRAB, _REMOVE = 0.35, 1.0  # spacings within which a point is under the mouse
 _STILL = 3  # pixels that a click may move
+_added: list[type] = []
+_COLOR = (1.0, 1.0, 1.0, 0.9)
+_WIDTH = 1.5  # pixels, before the scale of the interface
+Place = tuple[int, int]  # pixels in the region
 
 
 class DAPPLE_OT_pull_point(bpy.types.Operator):
@@ -118,11 +123,6 @@ class DAPPLE_TOOL_points(bpy.types.WorkSpaceTool):
     )
 
 
-CLASSES = (DAPPLE_OT_pull_point,)
-
-_added: list[type] = []
-
-
 def register() -> None:
     """Add the tool, where there are windows."""
     if not bpy.app.background:
@@ -138,3 +138,37 @@ def unregister() -> None:
     """Take it back."""
     while _added:
         bpy.utils.unregister_tool(_added.pop())
+
+
+class Line:
+    """Drawn from when it is made until it is taken away."""
+
+    def __init__(self, context: bpy.types.Context, start: Place) -> None:
+        self._region, self._area = context.region.as_pointer(), context.area
+        self._ends = start, start
+        space, draw = bpy.types.SpaceView3D, self._draw
+        self._handler: Any = space.draw_handler_add(draw, (), "WINDOW", "POST_PIXEL")
+
+    def to(self, end: Place) -> None:
+        """The mouse is there now."""
+        self._ends = self._ends[0], end
+        self._area.tag_redraw()
+
+    def remove(self) -> None:
+        """Take it away."""
+        bpy.types.SpaceView3D.draw_handler_remove(self._handler, "WINDOW")
+        self._area.tag_redraw()
+
+    def _draw(self) -> None:
+        if bpy.context.region.as_pointer() != self._region:
+            return
+        shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+        shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+        shader.uniform_float("lineWidth", _WIDTH * bpy.context.preferences.system.ui_scale)
+        shader.uniform_float("color", _COLOR)
+        gpu.state.blend_set("ALPHA")
+        batch_for_shader(shader, "LINES", {"pos": [(*one, 0) for one in self._ends]}).draw(shader)
+        gpu.state.blend_set("NONE")
+
+
+CLASSES = (DAPPLE_OT_pull_point,)

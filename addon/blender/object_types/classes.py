@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The list of classes of a scatter: adding, removing, moving; the pair that overlaps most."""
+"""The list of object types, its operators, the pair that overlaps most."""
 
 import bpy
 import numpy as np
+from bpy.props import EnumProperty
 from mathutils import Vector
 
 from ...core.base.errors import ScatterError
@@ -11,11 +12,15 @@ from ...core.solve.stale import changed_settings
 from ...core.surface.arrays import Floats, Ints
 from ...core.surface.sources import sources_from
 from ...nodes import INSTANCE_INPUTS
+from ..base.step_operators import OPTIONS, AllOrNothing
 from ..base.times import show_time
+from ..base.translation import told
 from ..scatter.modifier import ensure_modifier, property_name, write_instance_inputs
 from ..scatter.object import settings_of
 from ..scatter.points import own_columns, point_columns_of
+from ..settings.updates import settings_changed
 from ..surface.played import places_now
+from ..surface.polls import may_be_listed, writable
 
 _COUNTING = {"count", "per_area", "density", "classes"}  # what the number of points depends on
 
@@ -129,3 +134,61 @@ def _row(ids: Ints, one: int, name: str) -> int:
     if not len(found):
         raise ScatterError(f"Scatter '{name}': point {one} was removed: optimize the scatter")
     return int(found[0])
+
+
+class DAPPLE_OT_edit_classes(AllOrNothing, bpy.types.Operator):
+    """Edit the list of object types; optimize again to apply"""
+
+    bl_idname = "dapple.edit_classes"
+    bl_label = "Edit Object Types"
+    bl_options = OPTIONS
+
+    action: EnumProperty(
+        name="Action",
+        description="What is done to the list",
+        items=[
+            (
+                "ADD",
+                "Add",
+                "Add an object type; the first one takes over the current instance settings",
+            ),
+            ("REMOVE", "Remove", "Remove the active object type"),
+            ("UP", "Move Up", "Move the active object type up"),
+            ("DOWN", "Move Down", "Move the active object type down"),
+        ],
+        default="ADD",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        why = told(
+            "The object types come from a linked file: edit them there, or make the scatter local"
+        )
+        return may_be_listed(cls, context, why)
+
+    def work(self, context: bpy.types.Context) -> None:
+        change_classes(context.object, self.action)
+        settings_changed(context.object.dapple, context)
+
+
+class DAPPLE_OT_select_overlap(AllOrNothing, bpy.types.Operator):
+    """Select the two points whose instances overlap most and place the 3D cursor between them; if
+    baked, go to the frame with the largest overlap"""
+
+    bl_idname = "dapple.select_overlap"
+    bl_label = "Select Overlap"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        there = writable(cls, context) and context.mode == "OBJECT"
+        return there and context.object.dapple.report.worst_overlap > 0
+
+    def work(self, context: bpy.types.Context) -> None:
+        context.scene.cursor.location = select_overlap(context.object, context)
+
+
+CLASSES = (
+    DAPPLE_OT_edit_classes,
+    DAPPLE_OT_select_overlap,
+)

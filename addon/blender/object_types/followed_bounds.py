@@ -8,11 +8,10 @@ import bpy
 from ..base import jobs, renders
 from ..base.handlers import Handlers
 from ..base.quiet import is_quiet
-from ..scatter.footprint import follow_bounds
 from ..scatter.library import read_only
 from ..scatter.modifier import write_instance_inputs
 from ..scatter.object import is_scatter
-from ..scatter.weights import follow_members
+from ..scatter.placed_objects import follow_bounds, follow_members
 
 
 def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:

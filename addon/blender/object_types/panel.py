@@ -6,8 +6,7 @@ import bpy
 from ..base.panel_values import Prepared
 from ..base.translation import told
 from ..scatter.panel import ScatterPanel
-from .classes import count_labels
-from .operators import DAPPLE_OT_edit_classes, DAPPLE_OT_select_overlap
+from .classes import DAPPLE_OT_edit_classes, DAPPLE_OT_select_overlap, count_labels
 
 _AXES = ("scale_x", "scale_y", "scale_z")
 _TOLD = 0.005  # what becomes 1 % at least

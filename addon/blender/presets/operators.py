@@ -102,14 +102,6 @@ def draw_removal(layout: bpy.types.UILayout) -> None:
         remove.name = name
 
 
-CLASSES = (
-    DAPPLE_OT_save_preset,
-    DAPPLE_OT_load_preset,
-    DAPPLE_OT_remove_preset,
-    DAPPLE_MT_presets,
-)
-
-
 def _presets(_: None) -> tuple[str, ...]:
     return tuple(presets.names(folder()))
 
@@ -124,3 +116,11 @@ def register() -> None:
 
 def unregister() -> None:
     """Nothing is left to take back: what is prepared is forgotten elsewhere."""
+
+
+CLASSES = (
+    DAPPLE_OT_save_preset,
+    DAPPLE_OT_load_preset,
+    DAPPLE_OT_remove_preset,
+    DAPPLE_MT_presets,
+)

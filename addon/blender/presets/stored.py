@@ -8,7 +8,7 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from ...core.settings import presets
-from ..base.extension import PACKAGE
+from ..base import PACKAGE
 from ..scatter.modifier import ensure_modifier, write_instance_inputs
 
 

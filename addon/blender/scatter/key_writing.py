@@ -1,20 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writing the keys of a bake into the file, and taking them out again."""
 
+import bmesh
 import bpy
+import numpy as np
 
 from ...core.bake.keys import Baked
 from ...core.bake.population import Born
 from ...core.solve.solve import Report
 from ...core.solve.stale import settings_text
-from ...core.surface.records import FRAME_ATTRIBUTES
+from ...core.surface.records import (
+    ADDED_ATTRIBUTES,
+    FRAME_ATTRIBUTES,
+    GONE_ATTRIBUTES,
+    POINT_ATTRIBUTES,
+    ROW_ATTRIBUTES,
+)
 from ...core.surface.sources import Sources
 from ...nodes import has_input, set_input
 from ..base.all_or_nothing import once_done
-from .added_points import add_points, drop_added
+from ..base.mesh_arrays import read_columns, read_points, to_local, write_columns
 from .key_stores import STORES, key_types, new_store, stores_of, triangle_types
+from .library import own_mesh
 from .modifier import ensure_modifier, scatter_modifier, write_surface_inputs, write_warning
 from .object import bake_settings_of, copy_report, write_report
+from .points import own_points
 
 
 def write_baked(
@@ -89,3 +99,40 @@ def _remove(stores: list[bpy.types.Object]) -> None:
 def _write_solved_report(obj: bpy.types.Object) -> None:
     """Show the figures of the solution again."""
     copy_report(obj.dapple.solved, obj.dapple.report)
+
+
+def add_points(obj: bpy.types.Object, born: Born) -> None:
+    """Add the points that are born in a bake behind those that were optimized."""
+    mesh, count = own_mesh(obj), len(obj.data.vertices)
+    added = {name: kind for name, kind in ADDED_ATTRIBUTES.items() if name in mesh.attributes}
+    types = {**ROW_ATTRIBUTES, **POINT_ATTRIBUTES, **added}
+    before = read_columns(mesh, types)
+    mesh.vertices.add(len(born.positions))
+    places = np.concatenate([read_points(mesh)[:count], to_local(obj, born.positions)])
+    mesh.vertices.foreach_set("co", places.astype(np.float32).ravel())
+    after = {**born.binding.rows(), **born.columns}
+    joined = {name: np.concatenate([values, after[name]]) for name, values in before.items()}
+    joined["dapple_gone"] = np.repeat([0.0, 1.0], [count, len(born.positions)])
+    write_columns(mesh, joined, {**types, **GONE_ATTRIBUTES})
+    mesh.update()
+
+
+def drop_added(obj: bpy.types.Object) -> None:
+    """Remove the points that a bake has added."""
+    own = own_points(obj)
+    if own.all():
+        return
+    edited = bmesh.new()
+    edited.from_mesh(obj.data)
+    edited.verts.ensure_lookup_table()
+    added = [edited.verts[k] for k in np.flatnonzero(~own)]
+    bmesh.ops.delete(edited, geom=added, context="VERTS")
+    edited.to_mesh(own_mesh(obj))
+    edited.free()
+    obj.dapple.locked_count = _count_locked(obj)
+
+
+def _count_locked(obj: bpy.types.Object) -> int:
+    if "dapple_locked" not in obj.data.attributes:
+        return 0
+    return int(read_columns(obj.data, {"dapple_locked": "BOOLEAN"})["dapple_locked"].sum())

@@ -22,7 +22,7 @@ from ...nodes import (
 )
 from ..base.translation import english
 from .object import is_fluid, settings_reason
-from .weights import weights_text
+from .placed_objects import weights_text
 
 _WEIGHTS = "Weights"
 _DISPLAYS = [name for name, *_ in DISPLAY_AS]

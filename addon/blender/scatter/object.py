@@ -16,7 +16,7 @@ from ...core.settings.values import (
     Settings,
     TileSettings,
 )
-from ...core.solve.clearance import largest_scale
+from ...core.solve.class_counts import largest_scale
 from ...core.solve.solve import Report
 from ...core.solve.stale import changed_baking, changed_settings
 from ...core.surface.records import SCHEMA_KEY

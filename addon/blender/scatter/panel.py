@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels have in common."""
+"""What the panels of a scatter have in common."""
 
 import bpy
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The stored points of a scatter: columns, places, binding and locks, as they are read."""
+"""The stored points of a scatter as they are read; marks of those placed by hand."""
 
 import bpy
 import numpy as np
@@ -14,6 +14,7 @@ from ...core.surface.records import (
     REST_ATTRIBUTES,
     RESULT_KEY,
     ROW_ATTRIBUTES,
+    TOUCHED_KEY,
     TRIANGLE_ATTRIBUTES,
     Binding,
     Columns,
@@ -27,6 +28,7 @@ from ...core.surface.records import (
 from ...core.surface.rest import AtRest
 from ...core.surface.sources import digest_of
 from ..base.mesh_arrays import read_columns, read_points, to_world
+from .library import own_mesh
 
 # What check_binding looks at, which knows points that were added by hand, and the surface.
 _BOUND = {*TRIANGLE_ATTRIBUTES, "dapple_barycentric"}
@@ -105,3 +107,23 @@ def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Col
 def read_at_rest(obj: bpy.types.Object) -> AtRest:
     """Where the points are on the rest shape."""
     return AtRest(own_columns(obj, REST_ATTRIBUTES), obj.dapple.bound_parts)
+
+
+def touched_places(obj: bpy.types.Object) -> Floats | None:
+    """Places (k, 3) in the surface's own space; None where all points are even."""
+    stored = obj.data.get(TOUCHED_KEY)
+    return None if stored is None else np.array(stored, dtype=np.float64).reshape(-1, 3)
+
+
+def add_touched(obj: bpy.types.Object, places: Floats) -> None:
+    """Keep more of them."""
+    before = touched_places(obj)
+    joined = places if before is None else np.concatenate([before, places])
+    if len(joined):
+        own_mesh(obj)[TOUCHED_KEY] = joined.ravel().tolist()
+
+
+def forget_touched(obj: bpy.types.Object) -> None:
+    """The points are even around all of them."""
+    if TOUCHED_KEY in obj.data:
+        del own_mesh(obj)[TOUCHED_KEY]

@@ -19,12 +19,11 @@ from ...core.surface.records import (
 from ...core.surface.rest import AtRest
 from ...core.surface.sources import on_faces, sources_of
 from ..base.mesh_arrays import to_local, write_columns, write_points
-from .hand_marks import forget_touched
 from .key_writing import clear_keys
 from .library import own_mesh
 from .modifier import ensure_modifier, write_inputs, write_warning
 from .object import write_report
-from .points import write_digest
+from .points import forget_touched, write_digest
 
 
 def new_scatter(

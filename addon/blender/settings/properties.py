@@ -11,7 +11,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ...core.settings.quality import CUSTOM, QUALITIES
+from ...core.settings.solver_options import CUSTOM, QUALITIES
 from ...core.settings.tables import BOUND_TO, GROUPS
 from ...nodes import GROUP_NAME
 from ..base.translation import OWN
@@ -162,20 +162,6 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (
-    DAPPLE_PG_report,
-    DAPPLE_PG_material,
-    DAPPLE_PG_weight,
-    DAPPLE_PG_class,
-    DAPPLE_PG_density,
-    DAPPLE_PG_tiles,
-    DAPPLE_PG_part,
-    DAPPLE_PG_parts,
-    DAPPLE_PG_joined,
-    DAPPLE_PG_scatter,
-)
-
-
 def _allow_overrides(cls: type[bpy.types.PropertyGroup]) -> None:
     """Have library overrides keep every property of a group."""
     for declared in cls.__annotations__.values():
@@ -208,3 +194,17 @@ def unregister() -> None:
 def is_registered(cls: type) -> bool:
     """Whether Blender knows a class."""
     return "bl_rna" in cls.__dict__
+
+
+CLASSES = (
+    DAPPLE_PG_report,
+    DAPPLE_PG_material,
+    DAPPLE_PG_weight,
+    DAPPLE_PG_class,
+    DAPPLE_PG_density,
+    DAPPLE_PG_tiles,
+    DAPPLE_PG_part,
+    DAPPLE_PG_parts,
+    DAPPLE_PG_joined,
+    DAPPLE_PG_scatter,
+)

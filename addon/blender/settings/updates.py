@@ -6,12 +6,16 @@ from collections.abc import Callable
 
 import bpy
 
-from ...core.settings.quality import CUSTOM, QUALITIES, quality_of, quality_settings
-from ...core.settings.solver_options import EVENNESS
-from ..scatter.footprint import follow_bounds
+from ...core.settings.solver_options import (
+    CUSTOM,
+    EVENNESS,
+    QUALITIES,
+    quality_of,
+    quality_settings,
+)
 from ..scatter.modifier import write_instance_inputs, write_warning
 from ..scatter.object import is_automatic
-from ..scatter.weights import follow_members, is_listed
+from ..scatter.placed_objects import follow_bounds, follow_members, is_listed
 
 followers: list[Callable[[bpy.types.Object], None]] = []  # of changes; registration lists them
 _UNNAMED = re.compile(r"(Type|Class) \d+")

@@ -29,11 +29,11 @@ from ..base.renders import when_one_begins
 from ..base.sidebars import redraw
 from ..base.step_operators import is_under_way
 from ..base.timers import call_in, call_off
+from ..base.undo import push_undo
+from ..display import preview
 from .background_optimize import steps_of
-from .changes import NOBODY, Cause, Changes
-from .followed import follows, scatters
+from .changes import NOBODY, Cause, Changes, follows, scatters
 from .holds import is_held
-from .written import follow_up
 
 _POLL = 0.005  # seconds between two looks at a worker
 _PART = 0.01  # seconds of a look in which the artist waits
@@ -328,3 +328,10 @@ def unregister() -> None:
     _HANDLERS.unwatch()
     call_off(tick)
     _leaving()
+
+
+def follow_up(obj: bpy.types.Object, step: str) -> None:
+    """Have the live preview start from there; what was asked for is an undo step of that name."""
+    preview.solved_anew(obj)
+    if step:
+        push_undo(step)

@@ -6,20 +6,63 @@ was updated because of another does not have that updated in turn: two that avoi
 never rest. So what an update writes has a cause, the scatters because of which it was.
 """
 
+import time
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import bpy
 
+from ...core.base.native import missing
 from ..base.artist import is_using_tool, last_operator
 from ..base.times import time_of
 from ..freshness.contents import solved_time
-from ..scatter.object import is_scatter
-from .followed import dependencies, follows, scatters
-from .painted_images import Pictures
+from ..freshness.scene_snapshot import AROUND, SURFACE, VALUES, depends_on
+from ..scatter.library import is_in_view_layer, read_only
+from ..scatter.object import is_automatic, is_scatter
+from ..surface.images import picture_digest
+from ..surface.joined import collections_of
+from ..surface.surroundings import picture_of
 
 Cause = frozenset[int]  # session_uids of scatters
 NOBODY: Cause = frozenset()
+_READ = {SURFACE, VALUES, AROUND}  # what a scatter is solved from
+_GLANCE = 1.0  # seconds between two glances, or more where they take long
+_RARELY = 20.0  # so much longer than a glance took is the pause
+
+
+@dataclass
+class Pictures:
+    """What the last glance saw."""
+
+    _seen: dict[int, tuple[Any, str]] = field(default_factory=dict)  # by session_uid: what is
+    # quickly compared, and the digest
+    _glanced: float = 0.0  # when, by the monotonic clock
+    _took: float = 0.0  # seconds
+
+    def wait(self) -> float:
+        """Seconds until the next glance."""
+        pause = max(_GLANCE, _RARELY * self._took)
+        return max(pause - (time.monotonic() - self._glanced), 0.0)
+
+    def changed(self, images: list[bpy.types.Image]) -> set[int]:
+        """Those that have other pixels than at the last glance, by session_uid."""
+        if self.wait() > 0.0:
+            return set()
+        begin = time.monotonic()
+        found = {image.session_uid for image in images if self._is_other(image)}
+        self._glanced = time.monotonic()
+        self._took = self._glanced - begin
+        return found
+
+    def _is_other(self, image: bpy.types.Image) -> bool:
+        """A picture that has changes is read; one that is as on the disk is not."""
+        token = (image.is_dirty, image.filepath, image.source, tuple(image.size))
+        before = self._seen.get(image.session_uid)
+        if before is not None and token == before[0] and not image.is_dirty:
+            return False
+        self._seen[image.session_uid] = now = (token, picture_digest(image))
+        return before is not None and now != before
 
 
 @dataclass
@@ -147,3 +190,37 @@ class Changes:
                 uid for uid, now in self._depends.items() if now != before.get(uid, now)
             }
         return self._depends
+
+
+def follows(obj: bpy.types.Object) -> bool:
+    """Whether a scatter may be solved without being asked: it has a result of its own, no bake
+    that would be lost, and is in Object Mode in the view layer that is shown.
+    """
+    settings = obj.dapple
+    if not settings.solved_settings or settings.baked_keys or not is_automatic(obj):
+        return False
+    there = is_in_view_layer(obj) and settings.surface is not None
+    return there and obj.mode == "OBJECT" and not read_only(obj) and not missing()
+
+
+def scatters() -> list[bpy.types.Object]:
+    """Those of the file."""
+    return [obj for obj in bpy.data.objects if is_scatter(obj)]
+
+
+def dependencies(obj: bpy.types.Object) -> set[Hashable]:
+    """What a scatter is solved from, by session_uid; the scatter is not in it.
+
+    Nor are collections, which change with every object in them, and the scene, which changes with
+    every selection and whatever is written: what Camera View reads of it stands there as values.
+    """
+    scene, density = bpy.context.scene, obj.dapple.density
+    found: set[Hashable] = {
+        uid for uid, parts in depends_on(obj, scene).items() if _READ & set(parts)
+    }
+    found.discard(scene.session_uid)
+    if density.use_camera:
+        found.add(picture_of(scene))
+    for one in filter(None, (density.obstacles, density.distance_collection)):
+        found -= {block.session_uid for block in (one, *one.children_recursive)}
+    return found - {one.session_uid for one in collections_of(obj.dapple.surface)}

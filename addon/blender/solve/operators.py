@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that take their time: thin shells around the steps of work.py and its like."""
+"""The operators Optimize and Reattach, and those that cancel background work."""
 
 from typing import Any, ClassVar
 
@@ -8,6 +8,7 @@ from bpy.props import BoolProperty, EnumProperty
 
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps
+from ..base import jobs
 from ..base.jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator
 from ..base.translation import operator_label, told
@@ -141,7 +142,44 @@ class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
         return Outcome(obj)
 
 
+class DAPPLE_OT_cancel_update(AllOrNothing, bpy.types.Operator):
+    """Stop what is going on; the points stay as they are"""
+
+    bl_idname = "dapple.cancel_update"
+    bl_label = "Cancel Update"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        goes_on = auto_update.is_active() or jobs.current() is not None
+        if not goes_on:  # then Esc means what it means without the add-on
+            cls.poll_message_set(told("No points are being updated"))
+        return goes_on
+
+    def work(self, context: bpy.types.Context) -> None:
+        if jobs.current() is not None:
+            jobs.cancel()
+        else:
+            auto_update.cancel()
+
+
+class DAPPLE_OT_dismiss(AllOrNothing, bpy.types.Operator):
+    """Hide this message"""
+
+    bl_idname = "dapple.dismiss"
+    bl_label = "Hide Message"
+    bl_options: ClassVar = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.object is not None and bool(jobs.notes(context.object))
+
+    def work(self, context: bpy.types.Context) -> None:
+        jobs.dismiss(context.object)
+
+
 CLASSES = (
+    DAPPLE_OT_cancel_update,
+    DAPPLE_OT_dismiss,
     DAPPLE_OT_drop_keys,
     DAPPLE_OT_optimize,
     DAPPLE_OT_rebind,

@@ -7,7 +7,7 @@ Between two steps the artist may delete anything, so objects are found again by 
 import bpy
 
 from ...core.base.steps import Steps, Task
-from ...core.solve.clearance import rooms
+from ...core.solve.class_counts import rooms
 from ...core.solve.solve import nearest_binding, scatter
 from ..base.object_handles import Held
 from ..freshness.concurrent_edits import check_points_kept, points_now

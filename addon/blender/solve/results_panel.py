@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel says of a result: its figures, and whether it still fits."""
+"""What the main panel says of a result and of background work."""
 
 import bpy
 
-from ..base.labels import lines_of
+from ..base import jobs
+from ..base.labels import BUTTON, lines_of
 from ..base.translation import counted, told
-from ..freshness import freshness
+from ..freshness import findings
 from . import auto_update
-from .cancel_operators import DAPPLE_OT_cancel_update
+from .operators import DAPPLE_OT_cancel_update, DAPPLE_OT_dismiss
 
 _NOTICED = 0.02  # of an area variation, that is worth a line ...
 _SHARE = 0.3  # ... if it is that much of the whole
+_ICONS = {"ERROR": "ERROR", "WARNING": "ERROR", "INFO": "INFO"}
 
 
 def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
@@ -19,7 +21,7 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
         return [(_result(obj), "NONE")]
     why = auto_update.trouble(obj)
     trouble = [(told("Not updated: {why}", why=why), "ERROR")] if why else []
-    fit = _fit(_result(obj), freshness.findings(obj, context))
+    fit = _fit(_result(obj), findings.findings(obj, context))
     return [*fit, *_doubled(obj.dapple.report), *trouble]
 
 
@@ -93,7 +95,7 @@ def draw_result(
     row.operator(DAPPLE_OT_cancel_update.bl_idname, text="", icon="X")
 
 
-def _fit(result: str, found: freshness.Findings | None) -> list[tuple[str, str]]:
+def _fit(result: str, found: findings.Findings | None) -> list[tuple[str, str]]:
     """A result, and whether it fits, as far as that is known."""
     if found is None:
         return [(told("{result}, not compared with the scene yet", result=result), "TIME")]
@@ -139,3 +141,31 @@ def baked_line(obj: bpy.types.Object) -> str:
         mean=report.key_error_mean,
         most=report.key_error_max,
     )
+
+
+def draw_work(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """A bar while something goes on; else what is to be said of the active object's last work."""
+    work, obj = jobs.current(), context.object
+    if work is None:
+        _end_bar(layout)
+    else:
+        row = layout.row(align=True)
+        row.progress(factor=work.stepper.progress, text=work.line())
+        row.operator(DAPPLE_OT_cancel_update.bl_idname, text="", icon="X")
+    said = jobs.notes(obj) if obj is not None else []
+    if not said:
+        return
+    row = layout.row()
+    column = row.column(align=True)
+    for kind, text in said:
+        lines_of(column, text, _ICONS[kind], BUTTON)
+    row.operator(DAPPLE_OT_dismiss.bl_idname, text="", icon="X")
+
+
+def _end_bar(layout: bpy.types.UILayout) -> None:
+    """Have something without a size come first.
+
+    Blender before 5 takes a bar under the mouse for the first label of what is drawn after it, and
+    draws that label as a bar.
+    """
+    layout.column(align=True).separator(factor=0.0)

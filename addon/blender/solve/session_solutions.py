@@ -17,8 +17,7 @@ from ...core.surface.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, Binding, C
 from ...core.surface.rest import AtRest
 from ..base.all_or_nothing import all_or_nothing
 from ..base.handlers import Handlers
-from ..scatter.hand_marks import touched_places
-from ..scatter.points import own_columns, point_columns_of, points_digest
+from ..scatter.points import own_columns, point_columns_of, points_digest, touched_places
 from ..scatter.store import write_binding, write_own_ids, write_scattered
 
 _MOST = 4  # as each has a surface with all that is known of it

@@ -16,8 +16,7 @@ from ...core.surface.sources import sources_of
 from ..base.object_handles import Held
 from ..base.quiet import quiet
 from ..base.times import time_of
-from ..freshness.point_edits import is_edited
-from ..freshness.staleness import needs_solving
+from ..freshness.staleness import is_edited, needs_solving
 from ..scatter.object import is_fluid, settings_of
 from ..scatter.points import locked_points
 from ..surface.joining import surface_for

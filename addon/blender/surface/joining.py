@@ -17,8 +17,18 @@ from ..base.quiet import quiet
 from ..scatter.library import open_collections, read_only
 from ..scatter.modifier import scatter_modifier
 from ..scatter.object import is_scatter, is_surface, surface_of
-from .joined import SUFFIX, Piece, is_joined, pieces_kept, pieces_of, write_pieces
-from .members import is_member, pieces_in, pieces_of_collection, wanted
+from .joined import (
+    SUFFIX,
+    Piece,
+    is_joined,
+    is_member,
+    pieces_in,
+    pieces_kept,
+    pieces_of,
+    pieces_of_collection,
+    wanted,
+    write_pieces,
+)
 
 
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:

@@ -13,13 +13,19 @@ import numpy as np
 from ...core.base.errors import ScatterError
 from ...core.base.steps import PAUSE, Task
 from ...core.surface.mesh_snapshot import RawMesh, RawValues
-from ..base.corners import corner_vertices, has_corner_normals, polygon_starts, shading_normals
+from ..base.mesh_arrays import corner_vertices, has_corner_normals, polygon_starts, shading_normals
 from ..base.object_handles import Held
 from ..scatter.object import is_fluid
-from .materials import read_materials
 from .surface_mesh import evaluated_mesh
 from .surroundings import uv_layer
-from .values import GROUP_PART, all_group_weights, group_of, group_weights, raw_values
+from .values import (
+    GROUP_PART,
+    all_group_weights,
+    group_of,
+    group_weights,
+    raw_values,
+    read_materials,
+)
 
 _AT_ONCE = 60_000  # vertices whose weights are read in one part, which takes half the time
 Parts = Generator[Task, Any, Any]

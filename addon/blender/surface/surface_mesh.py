@@ -12,18 +12,19 @@ from ...core.base.errors import ScatterError
 from ...core.surface.arrays import Floats, Ints, SurfaceArrays, topology_digest
 from ...core.surface.mesh_snapshot import RawValues, cut_alike, placed_values, sizes, world_normals
 from ...core.surface.sources import digest_of
-from ..base.corners import (
+from ..base.mesh_arrays import (
     corner_vertices,
     has_corner_normals,
+    matrix_of,
     polygon_starts,
+    read_columns,
+    read_points,
     shading_normals,
     triangle_corners,
 )
-from ..base.mesh_arrays import matrix_of, read_columns, read_points
 from ..scatter.object import is_fluid
 from .joined import parts_of
-from .materials import read_materials
-from .values import read_weights
+from .values import read_materials, read_weights
 
 
 @contextmanager

@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make Tiles: the operator."""
+"""Make Tiles: the operator and its steps."""
 
 from typing import Any
 
 import bpy
 import numpy as np
 
-from ...core.base.steps import Steps
+from ...core.base.steps import Steps, Task
+from ...core.tiles import tiled
+from ..base.all_or_nothing import all_or_nothing
 from ..base.jobs import Outcome
+from ..base.object_handles import Held
 from ..base.step_operators import OPTIONS, StepsOperator
 from ..base.translation import reported
+from ..freshness.concurrent_edits import check_points_kept, points_now
+from ..scatter.object import surface_of, tile_settings_of
+from ..surface.bound import current_binding
 from ..surface.polls import ready
-from .steps import tile_steps
+from ..surface.reading import as_read, read
+from .mesh import check_tile_object, have_follow, write_tiles
 
 
 class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
@@ -43,6 +50,24 @@ class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
                 "{tiles}, {lost:,} were narrower than the grout", tiles=text, lost=tiles.lost
             )
         return Outcome(obj, [("WARNING" if tiles.lost else "INFO", text)])
+
+
+def tile_steps(context: bpy.types.Context) -> Steps:
+    """The active scatter's cells on the surface of this frame; returns the object and the Tiles."""
+    held, surface = Held(context.object), Held(surface_of(context.object))
+    check_tile_object(context.object)
+    before, arrays = points_now(context.object), read(surface.get())
+    binding, columns = current_binding(context.object, surface.get(), arrays)
+    settings, seed = tile_settings_of(context.object), context.object.dapple.seed
+    tiles = yield Task(lambda worker: tiled(arrays, binding, columns, settings, seed, worker))
+    obj = held.get()
+    check_points_kept(obj, before, "cut into tiles")
+    check_tile_object(obj)
+    made = [*filter(None, [obj.dapple.tiles.object])]
+    with as_read(arrays, surface), all_or_nothing(bpy.context, [obj, *made]):
+        made_of = write_tiles(obj, tiles)
+        have_follow(obj, made_of, arrays, tiles.binding)
+        return made_of, tiles
 
 
 CLASSES = (DAPPLE_OT_tile,)

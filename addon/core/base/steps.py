@@ -7,6 +7,8 @@ crunched; it is sent the task's result, or is thrown its error. The same generat
 however it ends.
 """
 
+import queue
+import threading
 import time
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
@@ -14,7 +16,8 @@ from typing import Any
 
 from .errors import StoppedError
 from .native import package
-from .worker import Work
+
+_SHORT = 0.001  # seconds in which a task is done that hardly does anything
 
 
 @dataclass(frozen=True)
@@ -27,7 +30,6 @@ class Task:
 
 
 Steps = Generator[Task, Any, Any]
-_SHORT = 0.001  # seconds in which a task is done that hardly does anything
 PAUSE = Task(lambda _: None)  # nothing: lets the artist's events through
 
 
@@ -143,3 +145,57 @@ class Stepper:
 
     def _do(self, task: Task) -> None:
         self._value, self._error = _outcome(task.call, self._context)
+
+
+class Work:
+    """A call that a thread is at."""
+
+    def __init__(self, call: Callable[[], None]) -> None:
+        self._call: Callable[[], None] | None = call
+        self._ended = threading.Event()
+        _free_thread().give(self)
+
+    def wait(self, seconds: float | None = None) -> bool:
+        """Whether it has ended, within so many seconds; None: however long it takes."""
+        return self._ended.wait(seconds)
+
+    def do(self, thread: "_Thread") -> None:
+        """What the thread calls; it is free before anyone learns that the work has ended."""
+        call, self._call = self._call, None  # which may hold this
+        try:
+            if call is not None:
+                call()
+            _free.append(thread)
+        finally:
+            self._ended.set()
+
+
+class _Thread:
+    def __init__(self) -> None:
+        self._given: queue.SimpleQueue[Work | None] = queue.SimpleQueue()
+        threading.Thread(target=self._run, name="dapple", daemon=True).start()
+
+    def give(self, work: Work | None) -> None:
+        """To be done next; None ends the thread."""
+        self._given.put(work)
+
+    def _run(self) -> None:
+        while (work := self._given.get()) is not None:
+            work.do(self)
+            del work  # and what it was done for
+
+
+_free: list[_Thread] = []
+
+
+def _free_thread() -> _Thread:
+    try:
+        return _free.pop()
+    except IndexError:
+        return _Thread()
+
+
+def end_free_threads() -> None:
+    """End those that wait for work; one that is at work stays."""
+    while _free:
+        _free.pop().give(None)

@@ -17,12 +17,10 @@ from ..density.ground import Ground, ground_of, shares
 from ..settings.values import Settings
 from ..surface.arrays import Floats, Ints, SurfaceArrays
 from ..surface.binding import binding_of, samples_of
-from ..surface.frames import carried, shading
+from ..surface.frames import carried, pointing, shading
 from ..surface.records import Binding, Columns, own_random
-from .class_counts import classes_of, sampled, shrunk, wanted_counts
-from .clearance import rooms
+from .class_counts import classes_of, rooms, sampled, shrunk, wanted_counts
 from .figures import Details, details_of
-from .forward import pointing
 from .locked import Locked
 from .solve import Scattered, Solved, point_columns, report_of
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solving: calls of the native package, arrays in and bindings out."""
+"""One frame solved: calls of the native package, arrays in and bindings out."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -12,11 +12,10 @@ from ..density.ground import Ground, ground_of, shares
 from ..settings.values import Settings
 from ..surface.arrays import Floats, Ints, SurfaceArrays
 from ..surface.binding import binding_of, bound_nearest
-from ..surface.records import Binding, Columns, own_random
-from .class_counts import sampled, shrunk
-from .clearance import rooms
+from ..surface.frames import carried, pointing, shading
+from ..surface.records import Binding, Columns, own_random, unbound
+from .class_counts import rooms, sampled, shrunk
 from .figures import Details, details_of
-from .forward import pointing
 from .locked import Locked, kept_ids, rows_of
 
 
@@ -147,3 +146,38 @@ def report_of(report: Any) -> Report:
         overlap_second=second,
         **shown,
     )
+
+
+@dataclass(frozen=True)
+class Attached:
+    """All points of a scatter, some of them where they were placed."""
+
+    binding: Binding
+    positions: Floats  # (n, 3) in world space; those that were not placed are where they were
+    touched: Floats  # (k, 3) where points were placed, and where they were before
+
+
+def attached(
+    before: Binding,
+    positions: Floats,
+    placed: NDArray[np.bool_],
+    surface: SurfaceArrays,
+    forward: str = "NONE",
+) -> Attached:
+    """Attach the placed points, which are at positions (n, 3), to the nearest places of a surface.
+
+    Points that were attached before keep their directions as far as the normals let them.
+    """
+    moved, places = placed & ~unbound(before), positions.copy()
+    left, found = before.rows_at(moved), before
+    if placed.any():
+        nearest = nearest_binding(positions[placed], surface)
+        found = found.with_rows(placed, nearest)
+        places[placed] = nearest.positions(surface.vertices)
+    if moved.any():
+        now = carried(left, found.rows_at(moved), surface.vertices, shading(surface))
+        found = found.with_rows(moved, now)
+    if placed.any():
+        found = found.with_rows(placed, pointing(found.rows_at(placed), surface, forward))
+    touched = np.concatenate([places[placed], left.positions(surface.vertices)])
+    return Attached(found, places, touched)

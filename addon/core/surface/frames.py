@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..base.native import package
+from ..settings.tables import AXES
 from .arrays import Floats, Ints, SurfaceArrays
 from .records import Binding
 
@@ -126,3 +127,16 @@ def _dot(a: Floats, b: Floats) -> Floats:
 def _unit(vectors: Floats) -> Floats:
     lengths = np.sqrt(_dot(vectors, vectors))
     return vectors / np.maximum(lengths, _TINY)[:, None]
+
+
+def pointing(binding: Binding, surface: SurfaceArrays, forward: str) -> Binding:
+    """The binding with angles that turn each point's X axis along an axis of the surface object.
+
+    As far as the surface lets it: the axis is projected onto the surface. NONE leaves the angles.
+    """
+    if forward == "NONE":
+        return binding
+    along = surface.matrix[:3, :3] @ AXES[forward]
+    local = frames(binding, surface.vertices, shading(surface))
+    angles = local.angle(np.broadcast_to(along, local.normal.shape))
+    return replace(binding, carry=angles)

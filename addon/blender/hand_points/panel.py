@@ -1,17 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sub-panel for how instances stand on the surface, and for points that stay where they are."""
+"""The sub-panel Placement, and the main panel while points are edited."""
 
 from typing import ClassVar
 
 import bpy
 
-from ..base.translation import OWN, counted
+from ..base.labels import lines_of
+from ..base.translation import OWN, counted, told
 from ..object_types.panel import active_type
 from ..scatter.panel import ScatterPanel
-from .operators import DAPPLE_OT_edit_points, DAPPLE_OT_lock
+from .editing import edited_scatter
+from .operators import DAPPLE_OT_edit_points, DAPPLE_OT_edit_points_done, DAPPLE_OT_lock
 from .tool import DAPPLE_TOOL_points
 
 _DIRECTION = ("align", "turn_randomness", "tilt", "offset")
+
+
+def draw_editing(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool:
+    """What can be done, and the way back; False: no points are edited."""
+    obj = edited_scatter(context)
+    if obj is None:
+        return False
+    lines_of(layout, told("Editing the points of '{name}'", name=obj.name), "EDITMODE_HLT")
+    lines_of(layout, told("Ctrl and right click adds a point, G moves, X removes"))
+    lines_of(layout, told("Added and moved points come down on the surface and are locked"))
+    row = layout.row()
+    row.scale_y = 1.5
+    row.operator(DAPPLE_OT_edit_points_done.bl_idname, text="Done", icon="CHECKMARK")
+    return True
 
 
 class DAPPLE_PT_placement(ScatterPanel, bpy.types.Panel):

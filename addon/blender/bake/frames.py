@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames of a bake: those without faces, faces that change, masks of each frame."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import bpy
+
+from ...core.bake.baker import Baker
+from ...core.base.errors import ScatterError
+from ...core.base.steps import Task
+from ...core.settings.values import Settings
+from ...core.surface.arrays import SurfaceArrays, check_unchanged, is_reordered
+from ..base.object_handles import Held
+from ..scatter.object import is_fluid
+from ..surface.reading import at_frame
+from ..surface.rest_position import kind_of_binding
+from ..surface.surroundings import Known
+
+_SEAM_STEPS = 6
+_TRIES = 8
+Read = Callable[[], SurfaceArrays]  # evaluates and reads a frame once more
+
+
+@dataclass
+class Masks:
+    """Reads frames of a surface with all that these settings take."""
+
+    settings: Settings
+    last: SurfaceArrays  # with which it was read
+    known: Known = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.known = Known(self.last)
+
+    def at_frame(
+        self, surface: Held, held: Held, frame: int, kind: str, may_be_bare: bool
+    ) -> SurfaceArrays:
+        """The surface on a frame; where something is not there, all is as on the frame before."""
+        try:
+            arrays = at_frame(
+                surface,
+                frame,
+                settings=self.settings,
+                own=held,
+                kind=kind,
+                may_be_bare=may_be_bare,
+                known=self.known,
+            )
+        except ScatterError:
+            arrays = at_frame(surface, frame, kind=kind, may_be_bare=may_be_bare)
+            if arrays.topology == self.last.topology:
+                last = self.last
+                return replace(
+                    arrays, weights=last.weights, digests=last.digests, around=last.around
+                )
+            raise
+        self.last = arrays if len(arrays.faces) else self.last
+        return arrays
+
+
+def may_be_bare(obj: bpy.types.Object, kind: str) -> bool:
+    """Whether a bake of a scatter that is bound so goes on over frames without faces."""
+    follows = obj.dapple.on_topology_change == "REBIND" or kind == "REST"
+    return _keeps_density(obj) and follows and not len(obj.dapple.classes)
+
+
+def begin_of(held: Held, surface: Held, first: int, last: int) -> Any:
+    """The first frame of a bake on which there can be points, and what they are bound to there;
+    in steps. That frame is shown then.
+    """
+    begin = first
+    if _keeps_density(held.get()):
+        begin = yield from _first_with_faces(surface, first, last)
+    kind = kind_of_binding(surface.get(), bpy.context, held.get().dapple.bind_to)
+    if begin > first and not may_be_bare(held.get(), kind):
+        raise ScatterError(_refused(held.get(), surface.get().name, first))
+    return begin, kind
+
+
+def _first_with_faces(surface: Held, first: int, last: int) -> Any:
+    for frame in range(first, last + 1):
+        if len(at_frame(surface, frame, may_be_bare=True).faces):
+            return frame
+        yield Task(lambda _: None, 0.0, 0.0)
+    name = surface.get().name
+    raise ScatterError(f"Surface '{name}' has no faces from frame {first} to {last}")
+
+
+def read_frame(
+    held: Held, surface: Held, frame: int, kind: str, masks: Masks | None = None
+) -> SurfaceArrays:
+    """The surface on a frame of a bake, without faces only where that may be; with what its density
+    takes there, if masks are given.
+    """
+    bare = _keeps_density(held.get())
+    if masks is None:
+        arrays = at_frame(surface, frame, kind=kind, may_be_bare=bare)
+    else:
+        arrays = masks.at_frame(surface, held, frame, kind, bare)
+    if not (len(arrays.faces) or may_be_bare(held.get(), kind)):
+        raise ScatterError(_refused(held.get(), surface.get().name, frame))
+    return arrays
+
+
+def appeared(
+    baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, known: Known | None
+) -> SurfaceArrays:
+    """Have points appear on faces that have come back; the frame."""
+    number = baker.first + baker.done
+    then = at_frame(surface, number, settings=baker.start.settings, own=held, known=known)
+    baker.appear(replace(then, rest=arrays.rest))
+    return replace(then, rest=arrays.rest) if baker.follows else arrays
+
+
+def _keeps_density(obj: bpy.types.Object) -> bool:
+    return bool(obj.dapple.count_over_time == "KEEP_DENSITY")
+
+
+def _refused(obj: bpy.types.Object, name: str, frame: int) -> str:
+    said = f"Surface '{name}' has no faces at frame {frame}"
+    if len(obj.dapple.classes):
+        return f"{said}: points of object types cannot appear again behind it"
+    return f"{said}: set New Topology to Reattach to have no points there"
+
+
+def crossed(
+    baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, known: Known | None = None
+) -> SurfaceArrays:
+    """Have a baker cross to the faces of its next frame, which is returned as read again."""
+    if baker.is_bare:
+        return appeared(baker, held, surface, arrays, known)
+    number = baker.first + baker.done
+    before, after = baker.now, arrays
+    if arrays.rest is None and baker.at_seam:
+        before, after = _seam(surface, number, baker.bound.topology)
+    then = at_frame(surface, number, settings=baker.start.settings, own=held, known=known)
+    # Quads are cut as where values were read: these are of the corners of triangles, too.
+    there = replace(after, faces=then.faces, loops=then.loops, around=then.around)
+    baker.cross(before, replace(there, weights=then.weights, digests=then.digests))
+    again = then if baker.follows else at_frame(surface, number)
+    return replace(again, rest=arrays.rest)
+
+
+def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:
+    """The surface just before and just after it loses its topology, between two frames.
+
+    Bisected, so that it hardly moves between both, however far it moves in a frame.
+    """
+    begin, end = 0.0, 1.0
+    before, after = at_frame(surface, frame - 1), at_frame(surface, frame)
+    for _ in range(_SEAM_STEPS):
+        middle = (begin + end) / 2
+        arrays = at_frame(surface, frame - 1, middle)
+        if arrays.topology == topology:
+            begin, before = middle, arrays
+        elif arrays.topology == after.topology:
+            end, after = middle, arrays
+        else:  # yet another topology between both
+            break
+    return before, after
+
+
+@dataclass
+class Steady:
+    """Reads the frames of a bake in one order of faces, wherever they come in that too."""
+
+    surface: Held
+
+    def first(self, obj: bpy.types.Object, read: Read) -> SurfaceArrays:
+        """The first frame, in the order to which the points of a scatter are attached."""
+        arrays, known = read(), obj.dapple.surface_topology.split()
+        if not known or obj.dapple.bound_to != "FACES":
+            return arrays
+        return self._in_order(arrays, known[0], obj.dapple.surface_vertices, read)
+
+    def next(self, bound: SurfaceArrays, read: Read) -> SurfaceArrays:
+        """A frame, in the order of one before."""
+        return self._in_order(read(), bound.topology, len(bound.vertices), read)
+
+    def check(self, before: SurfaceArrays, read: Read) -> None:
+        """ChangedError unless a surface is still the one that was read, in whatever order."""
+        now = self.next(before, read)
+        if now.topology == before.topology or not is_reordered(before, now):
+            check_unchanged(before, now)
+
+    def _in_order(
+        self, first: SurfaceArrays, known: str, vertices: int, read: Read
+    ) -> SurfaceArrays:
+        arrays = first
+        if len(first.vertices) != vertices or is_fluid(self.surface.get()):
+            return first
+        for _ in range(_TRIES):
+            if arrays.topology == known:
+                return arrays
+            self._evaluate_again()
+            arrays, before = read(), arrays
+            if arrays.topology == before.topology or not is_reordered(first, arrays):
+                break  # the order does not change by itself
+        return arrays if arrays.topology == known else first
+
+    def _evaluate_again(self) -> None:
+        self.surface.get().update_tag(refresh={"DATA"})
+        bpy.context.view_layer.update()
