@@ -16,7 +16,7 @@ from .assets import dropped
 from .assets import library as assets_library
 from .assets import operators as assets_operators
 from .bake import operators as bake_operators
-from .base import jobs, panel_values, recent_objects, renders, translation
+from .base import handlers, jobs, panel_values, recent_objects, renders, translation
 from .command import entry
 from .density import operators as density_operators
 from .density import overlay
@@ -52,6 +52,23 @@ _WITH_CLASSES: tuple[Any, ...] = (
     *(presets_operators, main_panel, assets_library, preferences),
 )
 _CLASSES = tuple(one for module in _WITH_CLASSES for one in module.CLASSES)
+_LISTENING: tuple[Any, ...] = (  # to Blender's events, in this order
+    renders,
+    unfinished_bakes,
+    panel_values,
+    presets_operators,
+    findings,
+    jobs,
+    recent_objects,
+    preview,
+    overlay,
+    session_solutions,
+    auto_update,
+    dropped,
+    modifier_tab,
+    followed_bounds,
+    copied_surfaces,
+)
 Step = tuple[Callable[[], None], Callable[[], None]]  # what it adds, and what takes that back
 
 
@@ -73,47 +90,29 @@ def unregister() -> None:
         return
     with ExitStack() as back:
         back.callback(end_free_threads)
-        for _, take_back in _steps():
+        for _, take_back in steps():
             back.callback(take_back)
         back.callback(assets_library.unregister)
 
 
 def _register() -> None:
     with ExitStack() as back:
-        for add, take_back in _steps():
+        for add, take_back in steps():
             back.callback(take_back)  # before: what fails half-way is taken back too
             add()
         back.pop_all()
 
 
-def _steps() -> list[Step]:
+def steps() -> list[Step]:
+    """What enabling the add-on does, and how each part is taken back."""
     first: Any = (translation, properties)
-    early: Any = (
-        figure_images,
-        panel_values,
-        presets_operators,
-        unfinished_bakes,
-        findings,
-        renders,
-        jobs,
-    )
-    later: Any = (*early, recent_objects, preview)
-    edge: Any = (keymaps, tool, export_operators, entry)
-    last: Any = (
-        overlay,
-        session_solutions,
-        auto_update,
-        dropped,
-        modifier_tab,
-        followed_bounds,
-        copied_surfaces,
-        *edge,
-    )
+    listening = [module.SUBSCRIBER for module in _LISTENING]
+    last: Any = (figure_images, keymaps, tool, export_operators, entry)
     return [
-        *((module.register, module.unregister) for module in first),
+        *((one.register, one.unregister) for one in (*first, handlers)),
         (_follow_settings, updates.followers.clear),
         (_add_classes, _remove_classes),
-        *((module.register, module.unregister) for module in (*later, *last)),
+        *((one.register, one.unregister) for one in (*listening, *last)),
     ]
 
 

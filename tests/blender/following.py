@@ -38,14 +38,14 @@ def driven():
     """Have scatters follow changes; what the tests call is yielded."""
     watcher = addon_host.part("blender.solve.auto_update")
     watcher.enabled = True
-    watcher._leaving()
+    watcher.reset()
     watcher._state.schedule._clock = clock = Clock()
     pictures, glance = addon_host.part("blender.solve.changes"), 1.0
     pictures._GLANCE = pictures._RARELY = 0.0  # check at every opportunity
     try:
         yield Driver(watcher, clock)
     finally:
-        watcher._leaving()
+        watcher.reset()
         watcher.enabled = False
         pictures._GLANCE, pictures._RARELY = glance, 20.0
 

@@ -20,11 +20,8 @@ def windowed():
     try:
         yield Pressing(under_way)
     finally:
-        under_way._leaving()
+        addon_host.part("blender.base.handlers").publish("before_load")
         under_way.at_once = True
-        for timer in (under_way.tick, under_way._clear_status):
-            if bpy.app.timers.is_registered(timer):
-                bpy.app.timers.unregister(timer)
 
 
 class Pressing:

@@ -196,7 +196,7 @@ def disabled():
 @pytest.mark.parametrize("when", ["before", "after"])
 def test_an_add_on_that_cannot_be_enabled_leaves_nothing_behind(disabled, monkeypatch, step, when):
     root = addon_host.part("blender")
-    steps = root._steps()
+    steps = root.steps()
     add, take_back = steps[step]
 
     def failing():
@@ -205,7 +205,7 @@ def test_an_add_on_that_cannot_be_enabled_leaves_nothing_behind(disabled, monkey
         raise OSError("no more")
 
     steps[step] = failing, take_back
-    monkeypatch.setattr(root, "_steps", lambda: steps)
+    monkeypatch.setattr(root, "steps", lambda: steps)
     with pytest.raises(OSError, match="no more"):
         root.register()
     assert traces() == disabled
@@ -228,15 +228,17 @@ def test_a_class_that_cannot_be_registered_leaves_nothing_behind(disabled, monke
 
 
 def test_what_fails_while_disabling_does_not_keep_the_rest(disabled, monkeypatch):
-    root, preview = addon_host.part("blender"), addon_host.part("blender.display.preview")
+    root = addon_host.part("blender")
     root.register()
-    kept = preview.unregister
+    steps = root.steps()
+    add, take_back = steps[9]
 
     def failing():
-        kept()
+        take_back()
         raise OSError("gone")
 
-    monkeypatch.setattr(preview, "unregister", failing)
+    steps[9] = add, failing
+    monkeypatch.setattr(root, "steps", lambda: steps)
     with pytest.raises(OSError, match="gone"):
         root.unregister()
     assert traces() == disabled

@@ -66,7 +66,7 @@ def test_a_background_blender_is_given_no_timer(live, obj):
     obj.dapple.count = 70
     bpy.context.view_layer.update()
     assert bpy.app.background
-    assert not bpy.app.timers.is_registered(live.watcher.tick)
+    assert not bpy.app.timers.is_registered(addon_host.part("blender.base.timers").run_due)
 
 
 def test_nothing_is_read_before_the_changes_rest(live, obj):
@@ -332,7 +332,8 @@ def test_a_render_and_an_operator_take_its_place_and_it_goes_on_afterward(
     short(obj, 20_000)
     assert live.begin()
     if interruption == "render":
-        live.watcher._render_begins()
+        for event in ("render_began", "render_ended"):
+            addon_host.part("blender.base.handlers").publish(event)
     else:
         for name in ("is_under_way", "is_held"):
             monkeypatch.setattr(live.watcher, name, lambda: True)

@@ -46,7 +46,7 @@ def waiting(monkeypatch):
         for name in names:
             counting(monkeypatch, addon_host.part(module), name, reads)
     yield reads
-    freshness._forget()
+    addon_host.part("blender.base.handlers").publish("before_load")
 
 
 def counting(monkeypatch, module, name, reads):
@@ -211,18 +211,18 @@ def test_undo_and_opening_a_file_are_looked_at_anew(waiting, tmp_path):
 
 @pytest.mark.parametrize("busy", ["rendering", "under_way", "playing"])
 def test_nothing_is_looked_at_meanwhile(waiting, busy, monkeypatch):
-    freshness = part()
+    freshness, handlers = part(), addon_host.part("blender.base.handlers")
     scenes.scattered(scenes.sphere())
     drawn()
     if busy == "rendering":
-        freshness._render_begins()
+        handlers.publish("render_began")
     elif busy == "under_way":
-        monkeypatch.setattr(freshness.job, "is_under_way", lambda: True)
+        monkeypatch.setattr(freshness.step_operators, "is_under_way", lambda: True)
     else:
-        monkeypatch.setattr(freshness, "_playing", lambda: iter([False, True]))
+        monkeypatch.setattr(freshness.artist, "is_playing", lambda: True)
     assert not looked(waiting)
     assert UNKNOWN in drawn()
-    freshness._render_ends()
+    handlers.publish("render_ended")
     monkeypatch.undo()
 
 

@@ -294,7 +294,7 @@ def preview(obj):
 def show_density(obj):
     overlay = addon_host.part("blender.density.overlay")
     bpy.ops.dapple.show_density()
-    overlay._tick()
+    overlay.tick()
     if overlay.is_on(obj):
         bpy.ops.dapple.show_density()
 

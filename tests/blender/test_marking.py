@@ -234,7 +234,6 @@ def test_dropped_on_a_surface_it_is_solved_there(live, saved):
 def placed(live):
     bpy.context.view_layer.update()
     placing = addon_host.part("blender.assets.dropped")
-    placing._updated(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     assert placing.look() is None
     live.settle()
 

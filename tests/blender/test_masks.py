@@ -525,9 +525,9 @@ def test_one_mask_is_shown_with_its_legend(overlay):
     assert high.endswith("points / m²")
     assert 0.1 < mass < 4.0
     obj.dapple.density.shown_term = "use_distance"
-    overlay._tick()
+    overlay.tick()
     overlay._shown.changed -= 1.0
-    overlay._tick()
+    overlay.tick()
     assert overlay.legend() == ("Distance", "0", "1")
     positions, colors = overlay.triangles()
     expected = np.clip(1.0 - (np.abs(positions[:, 1]) - 0.5) / 0.5, 0.0, 1.0)
@@ -549,7 +549,7 @@ def test_a_mask_that_is_shown_follows_what_its_distance_is_to(overlay):
     bpy.context.view_layer.update()
     assert overlay._shown.changed
     overlay._shown.changed -= 1.0
-    overlay._tick()
+    overlay.tick()
     assert not np.array_equal(overlay.triangles()[1], before[1])
 
 

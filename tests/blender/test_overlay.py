@@ -27,7 +27,7 @@ def wait(overlay):
     """The timer, after nothing has changed for a while."""
     if overlay._shown.changed:
         overlay._shown.changed -= 1.0
-    return overlay._tick()
+    return overlay.tick()
 
 
 def test_colors_tell_where_points_will_be(overlay):

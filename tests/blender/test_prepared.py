@@ -137,7 +137,7 @@ def test_nothing_is_found_meanwhile(prepared, computed, monkeypatch, busy):
         if busy == "rendering":
             patch.setattr(prepared, "busy", lambda: True)
         else:
-            patch.setattr(prepared.job, "is_under_way", lambda: True)
+            patch.setattr(prepared.step_operators, "is_under_way", lambda: True)
         assert prepared.tick() > 0.0
         assert not computed
     assert prepared.tick() is None

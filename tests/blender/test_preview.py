@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Live preview: follows in the viewport, never in a render, and goes without a trace."""
 
+from contextlib import contextmanager
+
 import addon_host
 import bpy
 import child
@@ -39,7 +41,7 @@ def test_points_follow_while_scrubbing_and_ride_again_when_it_is_off(preview, pa
     before = scenes.snapshot()
     toggled()
     assert preview.is_on(patient)
-    assert bpy.app.timers.is_registered(preview.tick)
+    assert addon_host.part("blender.base.timers").is_due(preview.tick)
     for frame in (3, 5, 8):
         bpy.context.scene.frame_set(frame)
         assert preview.tick() > 0
@@ -274,20 +276,27 @@ def test_a_surface_that_does_not_fit_ends_the_preview_and_says_so(preview, patie
     assert ("has no surface" if other == "none" else said) in preview.note(patient)
 
 
-def test_an_auto_saved_file_has_no_trace_of_the_preview(preview, patient, tmp_path, monkeypatch):
+@contextmanager
+def unannounced():
+    """Save without the add-on being called before."""
+    called = list(bpy.app.handlers.save_pre)
+    bpy.app.handlers.save_pre.clear()
+    try:
+        yield
+    finally:
+        bpy.app.handlers.save_pre.extend(called)
+
+
+def test_an_auto_saved_file_has_no_trace_of_the_preview(preview, patient, tmp_path):
     """Auto-saving tells no add-on that it begins."""
     expected = riding(patient, 8)
     toggled()
     bpy.context.scene.frame_set(8)
     preview.tick()
     bpy.ops.ed.undo_push(message="Before")
-    monkeypatch.setattr(preview, "_state", preview._State({}))
-    bpy.app.handlers.save_pre.remove(preview._saving)
     path = tmp_path / "saved.blend"
-    try:
+    with unannounced():
         bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, compress=False)
-    finally:
-        bpy.app.handlers.save_pre.append(preview._saving)
     label = f"{patient.name} Preview".encode()
     assert label not in path.read_bytes()
     shown = child.run(RECOVERED, path)
@@ -309,10 +318,7 @@ def test_a_file_of_an_older_version_that_was_saved_with_a_preview_opens_without(
     toggled()
     store = next(one for one in bpy.data.objects if one.name.endswith("Preview"))
     store.is_runtime_data = store.data.is_runtime_data = False
-    bpy.app.handlers.save_pre.remove(preview._saving)
-    try:
+    with unannounced():
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "old.blend"), copy=True)
-    finally:
-        bpy.app.handlers.save_pre.append(preview._saving)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "old.blend"))
     assert not [one for one in bpy.data.objects if one.name.endswith("Preview")]

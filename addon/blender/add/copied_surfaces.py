@@ -2,15 +2,13 @@
 """Scatters that come with copies of what they are on: they follow the copies."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import bpy
 
 from ...nodes import get_input, has_input, set_input
 from ..base import jobs, renders
-from ..base.handlers import Handlers
+from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
-from ..base.timers import call_off, call_within
 from ..scatter.library import read_only
 from ..scatter.modifier import scatter_modifier, write_surface_inputs
 from ..scatter.object import is_scatter
@@ -25,13 +23,12 @@ class _State:
 _state = _State()
 
 
-def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _updated(evaluation: Evaluation) -> None:
     """Look at scatters that are new, and have the others know what they are on."""
     if is_quiet() or jobs.current() is not None or renders.busy():
         return
-    for one in depsgraph.updates:
-        obj = one.id.original
-        if isinstance(obj, bpy.types.Object) and is_scatter(obj) and not read_only(obj):
+    for obj, _ in evaluation.objects():
+        if is_scatter(obj) and not read_only(obj):
             _look(obj)
 
 
@@ -43,36 +40,20 @@ def _look(obj: bpy.types.Object) -> None:
     _state.known.add(obj.session_uid)
 
 
-def _loaded(*_arguments: Any) -> None:
+def _look_at_all() -> None:
     _state.known.clear()
     for obj in bpy.data.objects:
         if is_scatter(obj) and not read_only(obj):
             _look(obj)
 
 
-_HANDLERS = Handlers(
-    depsgraph_update_post=_updated,
-    load_post=_loaded,
-    blend_import_post=_loaded,
-    undo_post=_loaded,
-    redo_post=_loaded,
+SUBSCRIBER = Subscriber(
+    updated=_updated,
+    loaded=_look_at_all,
+    imported=_look_at_all,
+    undone=_look_at_all,
+    enabled=_look_at_all,
 )
-
-
-def _begin() -> None:
-    _loaded()
-
-
-def register() -> None:
-    """Watch what is copied."""
-    _HANDLERS.watch()
-    call_within(0.0, _begin)  # no file is there yet
-
-
-def unregister() -> None:
-    """Watch nothing."""
-    _HANDLERS.unwatch()
-    call_off(_begin)
 
 
 def note_parts(scatter: bpy.types.Object) -> None:

@@ -7,16 +7,15 @@ Handlers only note that something came; a timer looks at it once Blender has mad
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
 import bpy
 from mathutils import Vector
 
 from ...core.base.errors import ScatterError
 from ..base.artist import is_operated
-from ..base.handlers import Handlers
+from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
-from ..base.timers import call_off, call_within
+from ..base.timers import call_within
 from ..scatter.library import read_only
 from ..scatter.object import is_scatter, is_surface, is_unsolved
 from ..solve import auto_update
@@ -107,56 +106,34 @@ def _place(obj: bpy.types.Object, surface: bpy.types.Object | None) -> None:
         _state.notes[obj.session_uid] = left_out
 
 
-def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _updated(evaluation: Evaluation) -> None:
     """Note what has come, and what is active."""
     if not auto_update.enabled or is_quiet():
         return
     active = bpy.context.view_layer.objects.active
     if active is not None and not is_scatter(active):
         _state.active = active.session_uid
-    for one in depsgraph.updates:
-        obj = one.id.original
-        new = isinstance(obj, bpy.types.Object) and obj.session_uid not in _state.known
-        if new and is_unsolved(obj):
+    for obj, update in evaluation.objects():
+        if update.uid not in _state.known and is_unsolved(obj):
             call_within(0.0, look)
 
 
-def _loaded(*_arguments: Any) -> None:
+def _know_all() -> None:
     """A file that is opened stays as it is."""
     vars(_state).update(vars(_State()))
     _state.known = {obj.session_uid for obj in bpy.data.objects if is_unsolved(obj)}
 
 
-def _undone(*_arguments: Any) -> None:
+def _undone() -> None:
     """An undo may have taken back a surface that is being solved."""
     for obj in bpy.data.objects:
         if is_unsolved(obj) and obj.dapple.surface is None:
             auto_update.forget(obj)
 
 
-_HANDLERS = Handlers(
-    depsgraph_update_post=_updated,
-    load_post=_loaded,
-    undo_post=_undone,
-    redo_post=_undone,
+SUBSCRIBER = Subscriber(
+    updated=_updated, loaded=_know_all, undone=_undone, enabled=_know_all, ticks=(look,)
 )
-
-
-def _begin() -> None:
-    _loaded()
-
-
-def register() -> None:
-    """Watch what comes."""
-    _HANDLERS.watch()
-    call_within(0.0, _begin)  # no file is there yet
-
-
-def unregister() -> None:
-    """Place nothing."""
-    _HANDLERS.unwatch()
-    for timer in (_begin, look):
-        call_off(timer)
 
 
 def presumed_surface(

@@ -1,26 +1,145 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Functions that Blender calls when something happens to the file, whichever file is open."""
+"""Blender's events, whichever file is open: one function for each, which calls the features that
+have subscribed.
+"""
 
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import bpy
 
+from .timers import Tick, call_off, call_within
 
-class Handlers:
-    """Functions by the names of Blender's lists of handlers."""
 
-    def __init__(self, **functions: Callable[..., None]) -> None:
-        self._functions = functions
+@dataclass(frozen=True)
+class Update:
+    """A data-block that Blender has evaluated."""
 
-    def watch(self) -> None:
-        """Have Blender call them, also once another file is opened."""
-        for name, function in self._functions.items():
-            bpy.app.handlers.persistent(function)
-            getattr(bpy.app.handlers, name).append(function)
+    block: bpy.types.ID  # the original
+    uid: int  # its session_uid
+    geometry: bool
+    transform: bool
 
-    def unwatch(self) -> None:
-        """Have Blender call them no more; those that it does not call are passed over."""
-        for name, function in self._functions.items():
-            called = getattr(bpy.app.handlers, name)
-            if function in called:
-                called.remove(function)
+    @property
+    def is_edited(self) -> bool:
+        """Whether the block was edited: objects are also listed if only others were."""
+        return self.geometry or self.transform or not isinstance(self.block, bpy.types.Object)
+
+
+class Evaluation:
+    """What Blender has evaluated; the updates are read once for all subscribers."""
+
+    def __init__(self, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+        self.scene, self.depsgraph = scene, depsgraph
+
+    @cached_property
+    def updates(self) -> list[Update]:
+        """All data-blocks that were evaluated."""
+        return list(self._read())
+
+    def objects(self) -> Iterator[tuple[bpy.types.Object, Update]]:
+        """The objects among them."""
+        for one in self.updates:
+            if isinstance(one.block, bpy.types.Object):
+                yield one.block, one
+
+    def _read(self) -> Iterator[Update]:
+        for one in self.depsgraph.updates:
+            block = one.id.original
+            geometry, transform = one.is_updated_geometry, one.is_updated_transform
+            yield Update(block, block.session_uid, geometry, transform)
+
+
+_Event = Callable[[], None] | None
+_Evaluated = Callable[[Evaluation], None] | None
+
+
+@dataclass(frozen=True)
+class Subscriber:
+    """Functions of a feature, each called after an event, or before it if so named."""
+
+    updated: _Evaluated = None  # something was edited and evaluated
+    frame_changed: _Evaluated = None
+    undone: _Event = None  # a step was undone or redone
+    before_load: _Event = None
+    loaded: _Event = None
+    imported: _Event = None  # data-blocks of another file were linked or appended
+    before_save: _Event = None
+    saved: Callable[[str], None] | None = None  # takes the path of the file
+    render_began: _Event = None
+    render_ended: _Event = None
+    enabled: _Event = None  # the add-on was enabled, and there is a file
+    disabled: _Event = None  # the add-on is disabled, or could not be enabled
+    ticks: tuple[Tick, ...] = ()  # called off when the add-on is disabled
+
+    def register(self) -> None:
+        """Subscribe, after all others."""
+        _subscribers.append(self)
+        if self.enabled is not None:
+            call_within(0.0, self.enabled)  # while Blender starts there is no file yet
+
+    def unregister(self) -> None:
+        """Unsubscribe."""
+        if self in _subscribers:
+            _subscribers.remove(self)
+        for tick in (*self.ticks, *filter(None, [self.enabled])):
+            call_off(tick)
+        if self.disabled is not None:
+            self.disabled()
+
+
+_EVENTS = {  # names of Blender's lists of handlers
+    "depsgraph_update_post": "updated",
+    "frame_change_post": "frame_changed",
+    "undo_post": "undone",
+    "redo_post": "undone",
+    "load_pre": "before_load",
+    "load_post": "loaded",
+    "blend_import_post": "imported",
+    "save_pre": "before_save",
+    "save_post": "saved",
+    "render_init": "render_began",
+    "render_complete": "render_ended",
+    "render_cancel": "render_ended",
+}
+_subscribers: list[Subscriber] = []
+_called: dict[str, Callable[..., None]] = {}  # our function in each list
+
+
+def register() -> None:
+    """Add one function to each of Blender's lists."""
+    for name, event in _EVENTS.items():
+        _called[name] = bpy.app.handlers.persistent(_caller(event))
+        getattr(bpy.app.handlers, name).append(_called[name])
+
+
+def unregister() -> None:
+    """Remove them."""
+    for name, function in _called.items():
+        listed = getattr(bpy.app.handlers, name)
+        if function in listed:
+            listed.remove(function)
+    _called.clear()
+
+
+def publish(event: str, *given: Any) -> None:
+    """Call all that have subscribed to an event; also if one fails."""
+    for subscriber in list(_subscribers):
+        function = getattr(subscriber, event)
+        if function is None:
+            continue
+        try:
+            function(*given)
+        except Exception as error:
+            traceback.print_exception(error)
+
+
+def _caller(event: str) -> Callable[..., None]:
+    if event in {"updated", "frame_changed"}:
+        return lambda scene, depsgraph: publish(event, Evaluation(scene, depsgraph))
+    if event == "saved":
+        return lambda path, *_: publish(event, path)
+    return lambda *_: publish(event)

@@ -19,10 +19,10 @@ from ...core.base.errors import StoppedError
 from ...core.base.steps import Stepper
 from . import artist, renders
 from .all_or_nothing import sentence
-from .handlers import Handlers
+from .handlers import Evaluation, Subscriber
 from .object_handles import Held
 from .sidebars import redraw
-from .timers import call_off, call_within
+from .timers import call_within
 from .translation import operator_label, reported, told
 from .undo import push_undo
 
@@ -242,55 +242,45 @@ def _clear_status() -> None:
         _write_status("")
 
 
-def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _updated(evaluation: Evaluation) -> None:
     """End the work if the artist has changed what has to stay."""
     work = _state.work
     if work is None or _state.stepping or not work.watched:
         return
-    for one in depsgraph.updates:
-        is_object = isinstance(one.id, bpy.types.Object)
-        changed = one.is_updated_geometry or one.is_updated_transform or not is_object
-        name = work.watched.get(one.id.original.session_uid)
-        if changed and name is not None:
+    for one in evaluation.updates:
+        name = work.watched.get(one.uid)
+        if one.is_edited and name is not None:
             cancel(reported("'{name}' was changed", name=name))
 
 
-def _frame_changed(*_arguments: Any) -> None:
+def _frame_changed(_evaluation: Evaluation) -> None:
     if not _state.stepping:
         _state.frame_changed = time.monotonic()
 
 
-def _undone(*_arguments: Any) -> None:
+def _undone() -> None:
     """An undo may have brought back anything."""
     _state.notes.clear()
     if _state.work is not None and _state.work.watched:
         cancel(reported("A step was undone or redone"))
 
 
-def _leaving(*_arguments: Any) -> None:
+def _before_load() -> None:
     _leave()
     _state.notes.clear()
     _write_status("")
 
 
-_HANDLERS = Handlers(
-    depsgraph_update_post=_updated,
-    frame_change_post=_frame_changed,
-    undo_post=_undone,
-    redo_post=_undone,
-    load_pre=_leaving,
-)
-
-
-def register() -> None:
-    """Watch what happens to the file."""
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Do nothing more."""
-    _HANDLERS.unwatch()
+def _disabled() -> None:
     _leave()
     _state.notes.clear()
-    for timer in (tick, _clear_status):
-        call_off(timer)
+
+
+SUBSCRIBER = Subscriber(
+    updated=_updated,
+    frame_changed=_frame_changed,
+    undone=_undone,
+    before_load=_before_load,
+    disabled=_disabled,
+    ticks=(tick, _clear_status),
+)

@@ -14,11 +14,11 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from . import step_operators
-from .handlers import Handlers
+from .handlers import Subscriber
 from .object_handles import Held
 from .renders import busy
 from .sidebars import redraw
-from .timers import call_off, call_within
+from .timers import call_within
 
 _PAUSE = 0.2  # seconds until the next look, while Blender renders or solves
 _MOST = 64  # found values that are kept beyond those that were just asked for
@@ -90,21 +90,9 @@ def _tidy() -> None:
             del _notes[key]
 
 
-def _forget(*_arguments: Any) -> None:
+def _forget() -> None:
     for key in [key for key, note in _notes.items() if note.held is not None]:
         del _notes[key]
 
 
-_HANDLERS = Handlers(load_pre=_forget)
-
-
-def register() -> None:
-    """Forget what was found of objects when another file is opened."""
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Know nothing and look for nothing."""
-    _notes.clear()
-    call_off(tick)
-    _HANDLERS.unwatch()
+SUBSCRIBER = Subscriber(before_load=_forget, disabled=_notes.clear, ticks=(tick,))

@@ -2,11 +2,10 @@
 """Which objects were active last: what an artist has clicked before what is active now."""
 
 from collections.abc import Iterable
-from typing import Any
 
 import bpy
 
-from .handlers import Handlers
+from .handlers import Evaluation, Subscriber
 
 _MOST = 64
 
@@ -15,13 +14,17 @@ _uids: dict[int, None] = {}  # session_uids, the latest last
 
 def latest_of(objects: Iterable[bpy.types.Object]) -> bpy.types.Object | None:
     """The one of these that was active last; None if none has been lately."""
-    _note()
+    _note_active()
     order = list(_uids)
     known = [obj for obj in objects if obj.session_uid in _uids]
     return max(known, key=lambda obj: order.index(obj.session_uid), default=None)
 
 
-def _note(*_arguments: Any) -> None:
+def _note(_evaluation: Evaluation) -> None:
+    _note_active()
+
+
+def _note_active() -> None:
     layer = bpy.context.view_layer
     active = layer.objects.active if layer is not None else None
     if active is None or next(reversed(_uids), None) == active.session_uid:
@@ -32,22 +35,7 @@ def _note(*_arguments: Any) -> None:
         del _uids[next(iter(_uids))]
 
 
-def _forget(*_arguments: Any) -> None:
-    _uids.clear()
-
-
-_HANDLERS = Handlers(depsgraph_update_post=_note, load_pre=_forget)
-
-
-def register() -> None:
-    """Watch which object is active."""
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Remember nothing."""
-    _forget()
-    _HANDLERS.unwatch()
+SUBSCRIBER = Subscriber(updated=_note, before_load=_uids.clear, disabled=_uids.clear)
 
 
 def activate(context: bpy.types.Context, obj: bpy.types.Object) -> None:

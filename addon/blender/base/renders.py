@@ -1,19 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether Blender renders: then nothing is computed for the viewport."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import bpy
 
-from .handlers import Handlers
+from .handlers import Subscriber
 
 
 @dataclass
 class _State:
     rendering: bool = False
-    leave: list[Callable[[], None]] = field(default_factory=list)  # called when a render begins
 
 
 _state = _State()
@@ -25,36 +22,12 @@ def busy() -> bool:
     return _state.rendering or locked or bpy.app.is_job_running("RENDER")
 
 
-def when_one_begins(leave: Callable[[], None]) -> None:
-    """Have work that goes on be given up when a render begins."""
-    if leave not in _state.leave:
-        _state.leave.append(leave)
-
-
-def _begins(*_arguments: Any) -> None:
+def _begins() -> None:
     _state.rendering = True
-    for leave in _state.leave:
-        leave()
 
 
-def _ends(*_arguments: Any) -> None:
+def _ends() -> None:
     _state.rendering = False
 
 
-_HANDLERS = Handlers(
-    render_init=_begins,
-    render_complete=_ends,
-    render_cancel=_ends,
-    load_pre=_ends,
-)
-
-
-def register() -> None:
-    """Watch renders."""
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Stop watching."""
-    _state.rendering = False
-    _HANDLERS.unwatch()
+SUBSCRIBER = Subscriber(render_began=_begins, render_ended=_ends, before_load=_ends, disabled=_ends)

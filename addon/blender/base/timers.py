@@ -1,29 +1,89 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Functions that Blender calls after a time, whichever file is open then."""
+"""Functions that are called after a time, whichever file is open then. Blender has one timer for
+all of them.
+"""
 
+import math
+import time
+import traceback
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import bpy
 
+Tick = Callable[[], float | None]  # returns seconds until its next call, None to end
 
-def call_in(seconds: float, tick: Callable[[], float | None]) -> None:
-    """Have Blender call it in so many seconds, whenever else it would have.
 
-    A background Blender runs no timers, and never frees one that is taken back: it is given none.
-    """
-    if bpy.app.background:
+@dataclass
+class _State:
+    due: dict[Tick, float] = field(default_factory=dict)  # when each is called, by time.monotonic
+    running: bool = False  # Blender must not lose the timer that it is calling
+
+
+_state = _State()
+
+
+def call_in(seconds: float, tick: Tick) -> None:
+    """Call it in so many seconds, even if it was to be called at another time."""
+    _state.due[tick] = time.monotonic() + seconds
+    _arm()
+
+
+def call_within(seconds: float, tick: Tick) -> None:
+    """Call it in so many seconds, unless it is to be called anyway."""
+    if tick not in _state.due:
+        call_in(seconds, tick)
+
+
+def call_off(tick: Tick) -> None:
+    """Do not call it."""
+    _state.due.pop(tick, None)
+    if not _state.due:
+        _disarm()
+
+
+def is_due(tick: Tick) -> bool:
+    """Whether it is to be called."""
+    return tick in _state.due
+
+
+def run_due() -> float | None:
+    """Call all whose time has come, each once; seconds until the next one, None without any."""
+    now, _state.running = time.monotonic(), True
+    try:
+        for tick in [one for one, when in _state.due.items() if when <= now]:
+            if _state.due.get(tick, math.inf) <= now:  # another one may have called it off
+                _run(tick)
+    finally:
+        _state.running = False
+    return _wait()
+
+
+def _run(tick: Tick) -> None:
+    del _state.due[tick]
+    try:
+        seconds = tick()
+    except Exception as error:
+        traceback.print_exception(error)
         return
-    call_off(tick)
-    bpy.app.timers.register(tick, first_interval=seconds, persistent=True)
+    if seconds is not None:
+        when = time.monotonic() + seconds
+        _state.due[tick] = min(
+            when, _state.due.get(tick, when)
+        )  # it may have been asked for meanwhile
 
 
-def call_within(seconds: float, tick: Callable[[], float | None]) -> None:
-    """Have Blender call it in so many seconds, unless it waits for a call already."""
-    if not bpy.app.timers.is_registered(tick):
-        bpy.app.timers.register(tick, first_interval=seconds, persistent=True)
+def _wait() -> float | None:
+    return max(min(_state.due.values()) - time.monotonic(), 0.0) if _state.due else None
 
 
-def call_off(tick: Callable[[], float | None]) -> None:
-    """Have Blender not call it, if it waits for a call."""
-    if bpy.app.timers.is_registered(tick):
-        bpy.app.timers.unregister(tick)
+def _arm() -> None:
+    """Have Blender call in time. A background Blender runs no timers and never frees one."""
+    if not bpy.app.background and not _state.running:
+        _disarm()
+        bpy.app.timers.register(run_due, first_interval=_wait() or 0.0, persistent=True)
+
+
+def _disarm() -> None:
+    if not _state.running and bpy.app.timers.is_registered(run_due):
+        bpy.app.timers.unregister(run_due)

@@ -18,10 +18,10 @@ from gpu_extras.batch import batch_for_shader
 from ...core.base.errors import ScatterError, StoppedError
 from ...core.base.steps import Stepper, Steps, Task
 from ...core.density.colors import Colored, Singles, computed
-from ..base.handlers import Handlers
+from ..base.handlers import Evaluation, Subscriber
 from ..base.object_handles import Held
-from ..base.renders import busy, when_one_begins
-from ..base.timers import call_off, call_within
+from ..base.renders import busy
+from ..base.timers import call_within
 from ..base.translation import told
 from ..scatter.object import surface_of
 from ..surface.parts import read_parts
@@ -87,7 +87,7 @@ def start(obj: bpy.types.Object) -> None:
             space.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"),
             space.draw_handler_add(_draw_legend, (), "WINDOW", "POST_PIXEL"),
         )
-    call_within(_POLL, _tick)
+    call_within(_POLL, tick)
     _redraw()
 
 
@@ -156,7 +156,7 @@ def _give_up() -> None:
     _shown.job = None
 
 
-def _tick() -> float | None:
+def tick() -> float | None:
     if _shown.scatter is None:
         return None
     if busy():
@@ -229,46 +229,35 @@ def _redraw() -> None:
                     area.tag_redraw()
 
 
-def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _updated(evaluation: Evaluation) -> None:
     if _shown.scatter is None:
         return
-    seen = {one.id.original.session_uid for one in depsgraph.updates}
+    seen = {one.uid for one in evaluation.updates}
     if not seen or seen & _shown.watched:  # pixels that were changed by a script name nothing
         _shown.changed = time.monotonic()
 
 
-def _undone(*_arguments: Any) -> None:
+def _undone() -> None:
     if _shown.scatter is not None:
         _shown.changed = time.monotonic()
 
 
-def _render_begins() -> None:
+def _render_began() -> None:
     if _shown.job is not None:
         _shown.job.cancel()
 
 
-def _leaving(*_arguments: Any) -> None:
+def _before_load() -> None:
     stop()
     _shown.said = ""
 
 
-_HANDLERS = Handlers(
-    depsgraph_update_post=_updated,
-    frame_change_post=_updated,
-    undo_post=_undone,
-    redo_post=_undone,
-    load_pre=_leaving,
+SUBSCRIBER = Subscriber(
+    updated=_updated,
+    frame_changed=_updated,
+    render_began=_render_began,
+    undone=_undone,
+    before_load=_before_load,
+    disabled=stop,
+    ticks=(tick,),
 )
-
-
-def register() -> None:
-    """Watch what colors depend on, and files being opened."""
-    when_one_begins(_render_begins)
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Show nothing and watch nothing."""
-    _HANDLERS.unwatch()
-    call_off(_tick)
-    stop()

@@ -9,17 +9,16 @@ that something happened.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import bpy
 
 from ...core.base.errors import ScatterError, StoppedError
 from ...core.base.steps import Stepper
-from ..base.handlers import Handlers
+from ..base.handlers import Evaluation, Subscriber
 from ..base.object_handles import Held
-from ..base.renders import busy, when_one_begins
+from ..base.renders import busy
 from ..base.step_operators import AllOrNothing
-from ..base.timers import call_off, call_within
+from ..base.timers import call_within
 from ..base.translation import told
 from ..scatter.object import surface_of
 from ..scatter.points import own_points
@@ -180,65 +179,56 @@ def _end(preview: Preview, why: str) -> None:
     clear_bindings(keep=_state.previews)
 
 
-def _touched(*_arguments: Any) -> None:
+def _touched() -> None:
     _state.dirty = True
 
 
-def _render_begins() -> None:
+def _evaluated(_evaluation: Evaluation) -> None:
+    _touched()
+
+
+def _render_began() -> None:
     """Workers stop; the surfaces are looked at again afterward."""
-    _state.dirty = True
+    _touched()
     for preview in _state.previews.values():
         if preview.job is not None:
             preview.job.cancel()
 
 
-def _undone(*_arguments: Any) -> None:
+def _undone() -> None:
     _state.undone = _state.dirty = True
     call_within(_TICK, tick)
 
 
-def _leaving(*_arguments: Any) -> None:
+def _before_load() -> None:
     _give_all_up()
     _state.undone, _state.said = False, ""
 
 
-def _loaded(*_arguments: Any) -> None:
-    """Files that were saved while they recovered may show a preview."""
-    clear_bindings()
-
-
-def _saving(*_arguments: Any) -> None:
+def _before_save() -> None:
     """What is saved shows the bake or the stored binding."""
     _give_all_up()
     clear_bindings()
 
 
-_HANDLERS = Handlers(
-    depsgraph_update_post=_touched,
-    frame_change_post=_touched,
-    render_complete=_touched,
-    render_cancel=_touched,
-    undo_post=_undone,
-    redo_post=_undone,
-    load_pre=_leaving,
-    load_post=_loaded,
-    save_pre=_saving,
-)
-
-
-def register() -> None:
-    """Watch what happens to the file."""
-    when_one_begins(_render_begins)
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Stop all previews and watching."""
-    _HANDLERS.unwatch()
-    call_off(tick)
+def _disabled() -> None:
     _give_all_up()
     if hasattr(bpy.data, "objects"):  # there is no file yet while Blender starts
         clear_bindings()
+
+
+SUBSCRIBER = Subscriber(
+    updated=_evaluated,
+    frame_changed=_evaluated,
+    render_began=_render_began,
+    render_ended=_touched,
+    undone=_undone,
+    before_load=_before_load,
+    loaded=clear_bindings,  # a file that was saved while it recovered may show a preview
+    before_save=_before_save,
+    disabled=_disabled,
+    ticks=(tick,),
+)
 
 
 class DAPPLE_OT_preview(AllOrNothing, bpy.types.Operator):

@@ -8,18 +8,17 @@ what is asked for is found at once.
 """
 
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
 
 from ...core.base.errors import ScatterError
-from ..base import step_operators
-from ..base.handlers import Handlers
+from ..base import artist, renders, step_operators
+from ..base.handlers import Evaluation, Subscriber
 from ..base.object_handles import Held
 from ..base.sidebars import is_shown, redraw
-from ..base.timers import call_in, call_off
+from ..base.timers import call_in
 from ..surface.images import picture_digest
 from .scene_snapshot import AROUND, Present, depends_on
 from .staleness import Verdict, verdict
@@ -64,7 +63,6 @@ class _State:
     took: float = 0.0  # seconds of the last look
     glanced: float = 0.0  # when pictures were looked at
     glance_took: float = 0.0
-    rendering: bool = False
 
 
 _state = _State()
@@ -178,21 +176,14 @@ def _wake() -> None:
 
 def _busy() -> bool:
     """Whether Blender renders, plays the animation or solves."""
-    rendering = _state.rendering or bpy.app.is_job_running("RENDER")
-    return rendering or step_operators.is_under_way() or any(_playing())
+    return renders.busy() or step_operators.is_under_way() or artist.is_playing()
 
 
-def _playing() -> Iterator[bool]:
-    for manager in bpy.data.window_managers:
-        yield manager.is_interface_locked
-        yield from (window.screen.is_animation_playing for window in manager.windows)
-
-
-def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _updated(evaluation: Evaluation) -> None:
     """Note which of what the shown scatters depend on was changed."""
     if not _state.asked:
         return
-    touched = {one.id.original.session_uid: _has_other_content(one) for one in depsgraph.updates}
+    touched = {one.uid: one.is_edited for one in evaluation.updates}
     for one in _state.asked.values():
         for uid in touched.keys() & one.depends.keys():
             if touched[uid]:
@@ -200,56 +191,27 @@ def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             _doubt(one)
 
 
-def _has_other_content(update: bpy.types.DepsgraphUpdate) -> bool:
-    """Updates also list objects that are merely evaluated after others."""
-    changed = update.is_updated_geometry or update.is_updated_transform
-    return changed or not isinstance(update.id, bpy.types.Object)
-
-
-def _frame_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    _updated(scene, depsgraph)
+def _frame_changed(evaluation: Evaluation) -> None:
+    _updated(evaluation)
     _all_doubtful()
 
 
-def _all_doubtful(*_arguments: Any) -> None:
+def _saved(_path: str) -> None:
+    _all_doubtful()
+
+
+def _all_doubtful() -> None:
     for one in _state.asked.values():
         _doubt(one)
 
 
-def _forget(*_arguments: Any) -> None:
-    _state.asked.clear()
-    _state.rendering = False
-
-
-def _render_begins(*_arguments: Any) -> None:
-    _state.rendering = True
-
-
-def _render_ends(*_arguments: Any) -> None:
-    _state.rendering = False
-    _all_doubtful()
-
-
-_HANDLERS = Handlers(
-    depsgraph_update_post=_updated,
-    frame_change_post=_frame_changed,
-    render_init=_render_begins,
-    render_complete=_render_ends,
-    render_cancel=_render_ends,
-    undo_post=_forget,
-    redo_post=_forget,
-    load_pre=_forget,
-    save_post=_all_doubtful,
+SUBSCRIBER = Subscriber(
+    updated=_updated,
+    frame_changed=_frame_changed,
+    render_ended=_all_doubtful,
+    undone=_state.asked.clear,
+    before_load=_state.asked.clear,
+    saved=_saved,
+    disabled=_state.asked.clear,
+    ticks=(tick,),
 )
-
-
-def register() -> None:
-    """Watch what happens to the file."""
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Know nothing and watch nothing."""
-    _forget()
-    call_off(tick)
-    _HANDLERS.unwatch()

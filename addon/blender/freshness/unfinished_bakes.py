@@ -21,8 +21,7 @@ from ...core.base.errors import ScatterError
 from ...core.base.native import missing
 from ...core.settings.values import Settings
 from ...core.surface.records import ROW_ATTRIBUTES
-from ..base.handlers import Handlers
-from ..base.timers import call_off, call_within
+from ..base.handlers import Evaluation, Subscriber
 from ..base.translation import told
 from ..scatter.object import is_scatter, settings_of
 from ..scatter.points import own_columns
@@ -202,7 +201,7 @@ def _is_finished(obj: bpy.types.Object, files: Sidecar) -> bool:
     return files.fingerprint(last) == settings.bake_fingerprint
 
 
-def saved(path: str, *_arguments: Any) -> None:
+def saved(path: str) -> None:
     """Have the work files follow, and remove those of bakes that the file now holds."""
     if not bpy.data.filepath or Path(path) != Path(bpy.data.filepath):
         return  # a copy, or the startup file: the work files are still those of the open one
@@ -245,7 +244,7 @@ def _remove_unknown() -> None:
                 Sidecar(folder).clear()
 
 
-def _loaded(*_arguments: Any) -> None:
+def _loaded() -> None:
     """Find the work files of a file that was renamed while it was not open."""
     _forget()
     _known.base = _base()
@@ -259,42 +258,18 @@ def _loaded(*_arguments: Any) -> None:
         print(f"Dapple: work files beside '{bpy.data.filepath}' could not be moved: {error}")
 
 
-def _forget(*_arguments: Any) -> None:
+def _forget() -> None:
     for cache in (_known.edits, _known.starts, _known.counts):
         cache.clear()
 
 
-def _edited(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _edited(evaluation: Evaluation) -> None:
     """Note whose points may have changed."""
-    for update in depsgraph.updates:
-        if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
-            uid = update.id.original.session_uid
-            _known.edits[uid] = _known.edits.get(uid, 0) + 1
+    for _, update in evaluation.objects():
+        if update.geometry:
+            _known.edits[update.uid] = _known.edits.get(update.uid, 0) + 1
 
 
-_HANDLERS = Handlers(
-    save_post=saved,
-    load_post=_loaded,
-    undo_post=_forget,
-    redo_post=_forget,
-    depsgraph_update_post=_edited,
+SUBSCRIBER = Subscriber(
+    updated=_edited, saved=saved, loaded=_loaded, undone=_forget, enabled=_loaded, disabled=_forget
 )
-
-
-def register() -> None:
-    """Watch files being saved and opened."""
-    _forget()
-    _HANDLERS.watch()
-    # No file is there yet at start-up. Persistent: one that is dropped by opening a file keeps
-    # Python's bpy module from closing.
-    call_within(0.0, _begin)
-
-
-def _begin() -> None:
-    _loaded()
-
-
-def unregister() -> None:
-    """Stop watching."""
-    call_off(_begin)
-    _HANDLERS.unwatch()

@@ -6,7 +6,7 @@ collection.
 import bpy
 
 from ..base import jobs, renders
-from ..base.handlers import Handlers
+from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
 from ..scatter.library import read_only
 from ..scatter.modifier import write_instance_inputs
@@ -14,14 +14,13 @@ from ..scatter.object import is_scatter
 from ..scatter.placed_objects import follow_bounds, follow_members
 
 
-def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _updated(evaluation: Evaluation) -> None:
     """What is placed has its scatter evaluated too."""
     if is_quiet() or jobs.current() is not None or renders.busy():
         return
-    for one in depsgraph.updates:
-        obj = one.id.original
-        if isinstance(obj, bpy.types.Object) and is_scatter(obj) and not read_only(obj):
-            _follow(obj, depsgraph)
+    for obj, _ in evaluation.objects():
+        if is_scatter(obj) and not read_only(obj):
+            _follow(obj, evaluation.depsgraph)
 
 
 def _follow(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
@@ -31,14 +30,4 @@ def _follow(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
         follow_bounds(kind, depsgraph)
 
 
-_HANDLERS = Handlers(depsgraph_update_post=_updated)
-
-
-def register() -> None:
-    """Watch what is placed."""
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Watch nothing."""
-    _HANDLERS.unwatch()
+SUBSCRIBER = Subscriber(updated=_updated)

@@ -5,6 +5,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ...core.settings import presets
+from ..base.handlers import Subscriber
 from ..base.panel_values import Prepared
 from ..base.step_operators import OPTIONS, AllOrNothing, Status
 from ..base.translation import told
@@ -109,13 +110,12 @@ def _presets(_: None) -> tuple[str, ...]:
 PRESETS = Prepared(_presets, ())  # names
 
 
-def register() -> None:
-    """Know the names of presets before a menu is opened."""
+def _know_names() -> None:
+    """Find the names of presets before a menu is opened."""
     PRESETS.of()
 
 
-def unregister() -> None:
-    """Nothing is left to take back: what is prepared is forgotten elsewhere."""
+SUBSCRIBER = Subscriber(enabled=_know_names)
 
 
 CLASSES = (

@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 
 from ...nodes import get_input
-from ..base.handlers import Handlers
+from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
 from .library import read_only
 from .modifier import scatter_modifier, tied_inputs
@@ -21,12 +21,11 @@ _SINGLE = 1e-6  # relative precision of Blender's numbers
 _known: dict[int, dict[str, Any]] = {}  # inputs by the scatter's session_uid
 
 
-def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _updated(evaluation: Evaluation) -> None:
     if is_quiet():
         return
-    for one in depsgraph.updates:
-        obj = one.id.original
-        if one.is_updated_geometry and isinstance(obj, bpy.types.Object) and is_scatter(obj):
+    for obj, update in evaluation.objects():
+        if update.geometry and is_scatter(obj):
             _take_over(obj)
 
 
@@ -58,19 +57,4 @@ def _same(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-def _forget(*_arguments: Any) -> None:
-    _known.clear()
-
-
-_HANDLERS = Handlers(depsgraph_update_post=_updated, load_pre=_forget)
-
-
-def register() -> None:
-    """Watch the modifiers of scatters."""
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Watch and know nothing."""
-    _HANDLERS.unwatch()
-    _forget()
+SUBSCRIBER = Subscriber(updated=_updated, before_load=_known.clear, disabled=_known.clear)

@@ -13,7 +13,6 @@ In background mode nothing follows by itself, unless a test says so and drives t
 """
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import bpy
 
@@ -22,13 +21,12 @@ from ...core.base.schedule import Schedule
 from ...core.base.steps import Stepper
 from ..base.all_or_nothing import sentence
 from ..base.artist import is_operated
-from ..base.handlers import Handlers
+from ..base.handlers import Evaluation, Subscriber
 from ..base.object_handles import Held
 from ..base.quiet import is_quiet
-from ..base.renders import when_one_begins
 from ..base.sidebars import redraw
 from ..base.step_operators import is_under_way
-from ..base.timers import call_in, call_off
+from ..base.timers import call_in
 from ..base.undo import push_undo
 from ..display import preview
 from .background_optimize import steps_of
@@ -77,7 +75,6 @@ class _State:
     schedule: Schedule = field(default_factory=Schedule)
     changes: Changes = field(default_factory=Changes)
     job: _Job | None = None
-    ticking: bool = False  # whether the timer runs
     caused: dict[int, Cause] = field(default_factory=dict)  # by which updates
     troubles: dict[int, str] = field(default_factory=dict)  # why a scatter could not be solved
     asked: dict[int, _Wish] = field(default_factory=dict)  # for a solution from the seed
@@ -149,11 +146,7 @@ def is_active() -> bool:
 
 def tick() -> float | None:
     """Go on with what is to be done; seconds until the next time, None to end."""
-    _state.ticking = True
-    try:
-        wait = _look()
-    finally:
-        _state.ticking = False
+    wait = _look()
     return 0.0 if _state.changes.any_noted() else wait
 
 
@@ -264,25 +257,24 @@ def _show(job: _Job) -> None:
 
 def _wake() -> None:
     """Have the timer look now, which may sleep until the next glance at pictures."""
-    if not _state.ticking:
-        call_in(0.0, tick)
+    call_in(0.0, tick)
 
 
-def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _updated(evaluation: Evaluation) -> None:
     """Note what was changed, and look at it soon."""
     if not enabled or is_quiet():
         return
-    if _state.changes.note(depsgraph):
+    if _state.changes.note(evaluation):
         _wake()
 
 
-def _moved_on(scene: bpy.types.Scene, _depsgraph: bpy.types.Depsgraph) -> None:
+def _frame_changed(evaluation: Evaluation) -> None:
     """What was edited at another time may make a difference now."""
-    if enabled and not is_quiet() and _state.changes.note_frame(scene):
+    if enabled and not is_quiet() and _state.changes.note_frame(evaluation.scene):
         _wake()
 
 
-def _undone(*_arguments: Any) -> None:
+def _undone() -> None:
     """An undo may have brought back anything."""
     if enabled:
         _state.changes.doubt_all()
@@ -290,12 +282,13 @@ def _undone(*_arguments: Any) -> None:
         _wake()
 
 
-def _leaving(*_arguments: Any) -> None:
+def reset() -> None:
+    """Forget all changes, updates and requests."""
     _give_up()
     vars(_state).update(vars(_State()))
 
 
-def _render_begins() -> None:
+def _render_began() -> None:
     """The worker stops; the scatter has its turn again afterward."""
     if _state.job is not None:
         _state.schedule.change(_state.job.scatter.uid)
@@ -305,29 +298,18 @@ def _render_begins() -> None:
 def _step_aside() -> None:
     """The same for operators; while the animation plays the worker may go on."""
     if is_under_way():
-        _render_begins()
+        _render_began()
 
 
-_HANDLERS = Handlers(
-    depsgraph_update_post=_updated,
-    frame_change_post=_moved_on,
-    undo_post=_undone,
-    redo_post=_undone,
-    load_pre=_leaving,
+SUBSCRIBER = Subscriber(
+    updated=_updated,
+    frame_changed=_frame_changed,
+    undone=_undone,
+    render_began=_render_began,
+    before_load=reset,
+    disabled=reset,
+    ticks=(tick,),
 )
-
-
-def register() -> None:
-    """Watch what happens to the file."""
-    when_one_begins(_render_begins)
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Update nothing and watch nothing."""
-    _HANDLERS.unwatch()
-    call_off(tick)
-    _leaving()
 
 
 def follow_up(obj: bpy.types.Object, step: str) -> None:

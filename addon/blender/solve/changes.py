@@ -15,6 +15,7 @@ import bpy
 
 from ...core.base.native import missing
 from ..base.artist import is_using_tool, last_operator
+from ..base.handlers import Evaluation
 from ..base.times import time_of
 from ..freshness.contents import solved_time
 from ..freshness.scene_snapshot import AROUND, SURFACE, VALUES, depends_on
@@ -83,18 +84,16 @@ class Changes:
     _last_operator: int = 0  # when something was noted last
     _ended: bool = False  # what has changed something
 
-    def note(self, depsgraph: bpy.types.Depsgraph) -> bool:
+    def note(self, evaluation: Evaluation) -> bool:
         """Note what was changed, not what is merely evaluated after it; whether anything is."""
-        for one in depsgraph.updates:
-            block = one.id.original
-            if not isinstance(block, bpy.types.Object):
-                self._touched.add(block.session_uid)
-                if isinstance(block, bpy.types.Collection | bpy.types.Scene):
-                    self._relinked = True  # other objects may be avoided, or another camera used
-            elif one.is_updated_geometry or one.is_updated_transform:
-                self._touched.add(block.session_uid)
-                if block.session_uid not in self._depends and is_scatter(block):
-                    self._relinked = True
+        for one in evaluation.updates:
+            if not one.is_edited:
+                continue
+            self._touched.add(one.uid)
+            if isinstance(one.block, bpy.types.Collection | bpy.types.Scene):
+                self._relinked = True  # other objects may be avoided, or another camera used
+            elif isinstance(one.block, bpy.types.Object):
+                self._relinked |= one.uid not in self._depends and is_scatter(one.block)
         before, self._last_operator = self._last_operator, last_operator()
         self._ended |= self.any_noted() and before != self._last_operator
         return self.any_noted()

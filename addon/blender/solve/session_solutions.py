@@ -6,7 +6,6 @@ ones. Files do not have them.
 """
 
 from collections import OrderedDict
-from typing import Any
 
 import bpy
 
@@ -16,7 +15,7 @@ from ...core.surface.arrays import Ints, SurfaceArrays
 from ...core.surface.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, Binding, Columns, binding_from
 from ...core.surface.rest import AtRest
 from ..base.all_or_nothing import all_or_nothing
-from ..base.handlers import Handlers
+from ..base.handlers import Subscriber
 from ..scatter.points import own_columns, point_columns_of, points_digest, touched_places
 from ..scatter.store import write_binding, write_own_ids, write_scattered
 
@@ -76,19 +75,4 @@ def before_of(obj: bpy.types.Object) -> Before:
     return Before(binding, columns, solved, touched_places(obj))
 
 
-def _forget(*_arguments: Any) -> None:
-    _known.clear()
-
-
-_HANDLERS = Handlers(load_pre=_forget)
-
-
-def register() -> None:
-    """Forget what another file has."""
-    _HANDLERS.watch()
-
-
-def unregister() -> None:
-    """Remember nothing."""
-    _forget()
-    _HANDLERS.unwatch()
+SUBSCRIBER = Subscriber(before_load=_known.clear, disabled=_known.clear)
