@@ -18,7 +18,8 @@ import bpy
 import numpy as np
 
 import addon
-from addon.blender.surface.surface_mesh import read_surface
+from addon.blender.surface.reading import read
+from addon.core.settings.values import DensitySettings, Settings
 from addon.nodes import ensure_group
 from benchmarks.addon.following import CASES, measure_following
 from benchmarks.addon.playback import (
@@ -140,18 +141,18 @@ def _reading(options: argparse.Namespace) -> None:
     group.add(range(len(surface.data.vertices)), 0.5, "REPLACE")
     for domain in ("POINT", "FACE", "CORNER"):
         surface.data.attributes.new(domain, "FLOAT", domain)
-    depsgraph = bpy.context.evaluated_depsgraph_get()
     names = {
-        "nothing": [],
-        "a vertex group": ["Group"],
-        "an attribute of vertices": ["POINT"],
-        "an attribute of faces": ["FACE"],
-        "an attribute of face corners": ["CORNER"],
+        "nothing": "",
+        "a vertex group": "Group",
+        "an attribute of vertices": "POINT",
+        "an attribute of faces": "FACE",
+        "an attribute of face corners": "CORNER",
     }
     taken: dict[str, list[float]] = {name: [] for name in names}
     for _ in range(options.rounds):
         for name, asked in names.items():
-            taken[name].append(_timed(read_surface, surface, depsgraph, asked))
+            settings = Settings(density=DensitySettings(attribute=asked))
+            taken[name].append(_timed(read, surface, settings))
     median = float(np.median(taken.pop("nothing")))
     print(f"reading {2 * side * side} triangles: {_ms(median)}, {_judged(median, READING_GOAL)}")
     for name, times in taken.items():

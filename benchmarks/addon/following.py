@@ -13,8 +13,7 @@ import bpy
 import numpy as np
 
 from addon.blender.base import artist
-from addon.blender.solve import auto_update, updating
-from addon.blender.solve import incremental as solve_incremental
+from addon.blender.solve import auto_update, optimize
 from addon.core.base.steps import Stepper
 from addon.core.solve import incremental
 
@@ -119,14 +118,14 @@ def _parts() -> Iterator[dict[str, float]]:
     timed: list[tuple[Any, str, str]] = [
         (incremental, "kept", "solving"),
         (incremental, "measured", "measuring"),
-        (updating, "sources_of", "comparing"),
-        (solve_incremental.Update, "write", "writing"),
+        (optimize, "sources_of", "comparing"),
+        (optimize.Update, "write", "writing"),
         (Stepper, "run_for", "main thread"),
         (incremental, "Ground", "  surface"),
         (incremental, "_relaxed", "  relaxing"),
         (incremental, "_classes_relaxed", "  relaxing"),
         (incremental, "_scattered", "  columns"),
-        (solve_incremental, "before_of", "reading points"),
+        (optimize, "before_of", "reading points"),
     ]
     kept = [(owner, name, getattr(owner, name)) for owner, name, _ in timed]
     for owner, name, label in timed:

@@ -16,7 +16,7 @@ import numpy as np
 from mathutils import Vector
 
 from addon import nodes
-from addon.blender.surface.surface_mesh import read_surface
+from addon.blender.surface.mesh_parts import read_mesh
 from addon.nodes.builder import Builder, Socket, new_group
 from benchmarks.bake.made_up import add_bake, add_scatter
 
@@ -112,7 +112,7 @@ def _scatters(
     surface: bpy.types.Object, sites: int, groups: ModuleType, mark: str
 ) -> dict[str, _Case]:
     """Bound, baked, and baked between keys."""
-    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    arrays = read_mesh(surface)
     bound, baked = (add_scatter(surface, arrays, sites, in_order=True) for _ in range(2))
     add_bake(baked, arrays, sites, _FRAMES.stop, 0.5, in_order=True)
     for scatter in (bound, baked):
@@ -127,7 +127,7 @@ def _displayed(surface: bpy.types.Object, sites: int) -> dict[str, _Case]:
     scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     scene.collection.objects.link(scene.camera)
     scene.camera.location = surface.location + Vector((0.0, 0.0, 10.0))
-    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    arrays = read_mesh(surface)
     found = {}
     for name, settings in DISPLAYED.items():
         scatter = add_scatter(surface, arrays, sites, in_order=True)

@@ -14,7 +14,7 @@ import numpy as np
 from addon.blender import main_panel
 from addon.blender.base import panel_values
 from addon.blender.freshness import findings
-from addon.blender.surface.surface_mesh import read_surface
+from addon.blender.surface.mesh_parts import read_mesh
 from benchmarks.bake.made_up import add_bake, add_scatter
 
 _FRAMES = 10
@@ -53,7 +53,7 @@ def measure_redraw(sites: int, faces: int, rounds: int) -> dict[str, float]:
     side = max(round((faces / 2) ** 0.5), 1)
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=side, y_subdivisions=side)
     surface = bpy.context.object
-    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    arrays = read_mesh(surface)
     findings.at_once = panel_values.at_once = False
     vars(findings)["is_shown"] = lambda _: True
     findings._PAUSE = findings._PATIENCE = 0.0

@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 
 import addon
-from addon.blender.surface.surface_mesh import read_surface
+from addon.blender.surface.mesh_parts import read_mesh
 from benchmarks.bake.made_up import add_bake, add_scatter
 
 GOAL = 120.0  # MB for 250 frames x 20,000 sites
@@ -28,7 +28,7 @@ def main() -> None:
     options = _options()
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     surface = _grid(options.faces)
-    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    arrays = read_mesh(surface)
     scatter = add_scatter(surface, arrays, options.sites)
     before = _sizes()
     add_bake(scatter, arrays, options.sites, options.frames, options.moving)

@@ -2,6 +2,7 @@
 """A render engine that draws nothing and notes what the render's own evaluation holds."""
 
 from contextlib import contextmanager
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -55,6 +56,16 @@ def prepare(engine):
     if scene.camera is None:
         scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         scene.collection.objects.link(scene.camera)
+
+
+def triangles(surface, depsgraph):
+    """Vertices in world space and triangles of a mesh as a depsgraph has it."""
+    evaluated = surface.evaluated_get(depsgraph)
+    mesh, matrix = evaluated.to_mesh(), np.array(evaluated.matrix_world)
+    places = np.array([vertex.co for vertex in mesh.vertices], dtype=np.float64).reshape(-1, 3)
+    mesh.calc_loop_triangles()
+    faces = np.array([one.vertices for one in mesh.loop_triangles], dtype=np.int32)
+    return SimpleNamespace(vertices=places @ matrix[:3, :3].T + matrix[:3, 3], faces=faces)
 
 
 def render(obj, frame, subframe=0.0, read=None):

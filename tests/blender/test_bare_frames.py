@@ -63,8 +63,8 @@ def flickering(bare, last=10, count=120, everything=True, start=None):
 
 
 def area(surface):
-    reading = addon_host.part("blender.surface.surface_mesh")
-    arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    reading = addon_host.part("blender.surface.mesh_parts")
+    arrays = reading.read_mesh(surface)
     if not len(arrays.faces):
         return 0.0
     return addon_host.part("core.base.native").package().Surface(arrays.vertices, arrays.faces).area

@@ -61,9 +61,8 @@ def body(frames=4, modifier=None):
 
 def as_seen(surface, depsgraph):
     """The surface with its rest shape as a depsgraph has it."""
-    reading = addon_host.part("blender.surface.surface_mesh")
-    arrays = reading.read_surface(surface, depsgraph)
-    return arrays, reading.read_rest(surface, depsgraph)
+    rest = addon_host.part("blender.surface.surface_mesh").read_rest(surface, depsgraph)
+    return probe.triangles(surface, depsgraph), rest
 
 
 def image(places, seen, part=slice(None)):
@@ -320,8 +319,8 @@ def test_metaballs_are_scattered_baked_and_rendered(tracked):
         spacing = samples.report.spacing
         assert np.abs(scenes.positions(obj) - samples.positions).max() < NEAR * spacing
         assert stale(obj) == ""
-        coarse = read(surface, bpy.context.evaluated_depsgraph_get())
-        seen = probe.render(obj, frame, read=read)
+        coarse = probe.triangles(surface, bpy.context.evaluated_depsgraph_get())
+        seen = probe.render(obj, frame, read=probe.triangles)
         fine = seen["surface"]
         assert len(fine.vertices) > 1.5 * len(coarse.vertices)
         native = dapple.Surface(fine.vertices, fine.faces)
@@ -384,7 +383,3 @@ def test_a_point_that_slides_to_where_the_rest_shape_means_two_places_ends_the_b
         bpy.ops.dapple.bake()
     assert asked == [None] * 4  # at the start, and after each frame
     assert scenes.snapshot() == before
-
-
-def read(surface, depsgraph):
-    return addon_host.part("blender.surface.surface_mesh").read_surface(surface, depsgraph)

@@ -28,7 +28,7 @@ def waiting(monkeypatch):
         monkeypatch.setattr(freshness, name, 0.0)
     counted = {
         "blender.freshness.scene_snapshot": (
-            "read_surface",
+            "read_outline",
             "value_digests",
             "read_around",
             "points_digest",
@@ -104,16 +104,16 @@ def test_a_change_is_looked_at_once(waiting):
     obj = scenes.scattered(surface)
     drawn()
     first = looked(waiting)
-    assert first["verdict"] == first["read_surface"] == first["points_digest"] == 1
+    assert first["verdict"] == first["read_outline"] == first["points_digest"] == 1
     assert FITS in drawn()
     assert not looked(waiting)
     surface.data.vertices[3].co *= 1.5
-    assert looked(waiting)["read_surface"] == 1
+    assert looked(waiting)["read_outline"] == 1
     assert "has another shape or scale" in drawn()
     assert not looked(waiting)
     surface.data.vertices[3].co /= 1.5
     obj.dapple.seed = 9
-    assert looked(waiting)["read_surface"] == 1
+    assert looked(waiting)["read_outline"] == 1
     assert "Settings were changed (Seed)" in drawn()
 
 
@@ -125,7 +125,7 @@ def test_settings_are_compared_without_reading_the_surface(waiting):
     assert FITS not in drawn()
     seen = looked(waiting)
     assert seen["verdict"] == 1
-    assert seen["read_surface"] == seen["evaluated_mesh"] == 0
+    assert seen["read_outline"] == seen["evaluated_mesh"] == 0
 
 
 def test_what_has_no_part_in_a_result_is_not_looked_at(waiting):
@@ -138,7 +138,7 @@ def test_what_has_no_part_in_a_result_is_not_looked_at(waiting):
     assert not looked(waiting)
     assert FITS in drawn()
     surface.name = obj.name = "Renamed"
-    assert looked(waiting)["read_surface"] == 0
+    assert looked(waiting)["read_outline"] == 0
     assert FITS in drawn()
 
 
@@ -168,7 +168,7 @@ def test_obstacles_and_the_camera_are_watched(waiting):
         assert looked(waiting)["read_around"] == 1
         assert "Out of date: " in drawn(), (owner, name)
         setattr(owner, name, before)
-        assert looked(waiting)["read_surface"] == 0
+        assert looked(waiting)["read_outline"] == 0
         assert FITS in drawn()
 
 

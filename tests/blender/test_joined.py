@@ -57,8 +57,8 @@ def test_selected_objects_are_one_surface():
 
 
 def arrays_of(surface):
-    reading = addon_host.part("blender.surface.surface_mesh")
-    return reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    reading = addon_host.part("blender.surface.mesh_parts")
+    return reading.read_mesh(surface)
 
 
 def reason(obj):

@@ -110,9 +110,9 @@ def test_a_baked_lean_is_played(randomness):
     obj.dapple.turn_randomness = randomness
     points, writing, reading = (
         addon_host.part(f"blender.{name}")
-        for name in ("scatter.points", "scatter.key_writing", "surface.surface_mesh")
+        for name in ("scatter.points", "scatter.key_writing", "surface.mesh_parts")
     )
-    arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    arrays = reading.read_mesh(surface)
     binding, _ = points.read_binding(obj, len(arrays.vertices))
     faces = part("surface.binding").faces_with_corners(binding.corners, arrays.faces)
     corners, loops = arrays.faces[faces], arrays.face_corners[faces]

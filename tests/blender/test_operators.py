@@ -88,8 +88,8 @@ def test_optimize_follows_the_settings_and_the_frame():
     assert len(scenes.positions(obj)) == 90
     dapple = pytest.importorskip("dapple3d")
     vertices = scenes.world_vertices(surface)
-    reading = addon_host.part("blender.surface.surface_mesh")
-    faces = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get()).faces
+    reading = addon_host.part("blender.surface.mesh_parts")
+    faces = reading.read_mesh(surface).faces
     distances = dapple.project(dapple.Surface(vertices, faces), scenes.positions(obj)).distances
     assert np.max(distances) < 1e-5 * scenes.size(vertices)
 
@@ -163,10 +163,10 @@ def test_a_surface_out_of_the_view_layer_is_evaluated_all_the_same():
 
 def test_an_object_that_is_not_evaluated_cannot_be_read():
     errors = addon_host.part("core.base.errors")
-    reading = addon_host.part("blender.surface.surface_mesh")
+    reading = addon_host.part("blender.surface.mesh_parts")
     loose = bpy.data.objects.new("Loose", bpy.data.meshes.new("Loose"))
     with pytest.raises(errors.ScatterError, match="'Loose' is not evaluated"):
-        reading.read_surface(loose, bpy.context.evaluated_depsgraph_get())
+        reading.read_mesh(loose)
 
 
 def test_operators_need_object_mode_and_the_right_object():

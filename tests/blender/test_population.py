@@ -218,8 +218,8 @@ def following(made):
 
 
 def read_now(surface):
-    reading = addon_host.part("blender.surface.surface_mesh")
-    return reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    reading = addon_host.part("blender.surface.mesh_parts")
+    return reading.read_mesh(surface)
 
 
 @pytest.mark.parametrize("made", [remeshed, balls])

@@ -26,23 +26,15 @@ def other_order(arrays):
 def reordering(monkeypatch):
     """Have evaluations of which a test says so come in another order."""
     reading = addon_host.part("blender.surface.reading")
-    read, count = reading.read_surface, [0]
+    steps, count = reading.read_steps, [0]
 
     def start(which):
         def reordered(*args, **options):
-            arrays = read(*args, **options)
+            arrays = yield from steps(*args, **options)
             count[0] += 1
             return other_order(arrays) if which(count[0]) else arrays
 
-        monkeypatch.setattr(reading, "read_surface", reordered)
-        with_settings = reading.read_with
-
-        def with_masks(*args, **options):
-            arrays = with_settings(*args, **options)
-            count[0] += 1
-            return other_order(arrays) if which(count[0]) else arrays
-
-        monkeypatch.setattr(reading, "read_with", with_masks)
+        monkeypatch.setattr(reading, "read_steps", reordered)
 
     return start
 

@@ -160,8 +160,8 @@ def check_as_python_says(obj, surface):
     """Instances without a turn of their own have the axes of core/surface/frames.py."""
     obj.dapple.turn_randomness = 0.0
     part = addon_host.part
-    reading, frames = part("blender.surface.surface_mesh"), part("core.surface.frames")
-    arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    reading, frames = part("blender.surface.mesh_parts"), part("core.surface.frames")
+    arrays = reading.read_mesh(surface)
     binding, _ = part("blender.scatter.points").read_binding(obj, len(arrays.vertices))
     expected = frames.frames(binding, arrays.vertices, frames.shading(arrays)).axes(binding.carry)
     assert np.einsum("nij,nij->nj", scenes.rotations(obj), expected).min() > 0.9999
@@ -247,8 +247,8 @@ def test_an_export_has_the_shading_normals(tmp_path):
 def test_the_package_is_told_the_shading_normals(make):
     surface = make()
     part = addon_host.part
-    reading, settings = part("blender.surface.surface_mesh"), part("core.settings.values")
-    arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    reading, settings = part("blender.surface.mesh_parts"), part("core.settings.values")
+    arrays = reading.read_mesh(surface)
     ground = part("core.density.ground").ground_of(arrays, settings.Settings())
     told, own = ground.surface.corner_normals, part("core.surface.frames").corner_normals(arrays)
     # equal where the surface is smooth, with other triangles

@@ -159,13 +159,18 @@ def test_a_canceled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
     assert scenes.snapshot() == before
 
 
+def held(obj):
+    return addon_host.part("blender.base.object_handles").Held(obj)
+
+
 def test_a_canceled_optimization_leaves_the_scene_as_it_was(steps, errors):
     work = addon_host.part("blender.solve.optimize")
     obj = scenes.scattered(scenes.tail())
     obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 3000, 1e-9, 100_000
     before = scenes.snapshot()
-    stepper = steps.Stepper(work.optimize_steps(bpy.context))
-    stepper.poll()
+    stepper = steps.Stepper(work.optimize_steps(held(obj)))
+    while not stepper.progress:  # until it is being solved
+        stepper.poll(wait=0.01)
     stepper.cancel()
     with pytest.raises(errors.StoppedError):
         finish(stepper)
@@ -191,7 +196,7 @@ def test_a_scatter_removed_meanwhile_is_named(steps, errors):
     work = addon_host.part("blender.solve.optimize")
     obj = scenes.scattered(scenes.tail())
     name = obj.name
-    stepper = steps.Stepper(work.optimize_steps(bpy.context))
+    stepper = steps.Stepper(work.optimize_steps(held(obj)))
     stepper.poll()
     bpy.data.objects.remove(obj)
     with pytest.raises(errors.ScatterError, match=f"'{name}' was removed"):

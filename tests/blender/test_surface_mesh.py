@@ -20,14 +20,14 @@ PLACES = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 1), (-2, 2, 0), (-2, 0, 0), (0
 
 @pytest.mark.parametrize("faces", FACES.values(), ids=FACES.keys())
 def test_a_surface_has_the_triangles_and_corners_of_its_mesh(faces):
-    reading = addon_host.part("blender.surface.surface_mesh")
+    reading = addon_host.part("blender.surface.mesh_parts")
     corners = addon_host.part("blender.base.mesh_arrays")
     mesh = bpy.data.meshes.new("Faces")
     mesh.from_pydata(PLACES, [], faces)
     obj = bpy.data.objects.new("Faces", mesh)
     bpy.context.collection.objects.link(obj)
     obj.location = (1, 2, 3)
-    found = reading.read_surface(obj, bpy.context.evaluated_depsgraph_get())
+    found = reading.read_mesh(obj)
     mesh.calc_loop_triangles()
     expected = [tuple(triangle.vertices) for triangle in mesh.loop_triangles]
     assert [tuple(face) for face in found.faces] == expected
@@ -58,27 +58,38 @@ def test_weights_of_a_group_are_those_of_each_vertex():
 
 
 @pytest.mark.parametrize("kind", ["ico", "quads", "concave", "ngons", "mirrored", "meta"])
-def test_a_surface_read_in_parts_is_the_one_that_is_read_at_once(kind):
+def test_a_surface_is_read_with_the_triangles_and_weights_of_blender(kind, monkeypatch):
     surface = of_kind(kind)
-    parts, held = (
-        addon_host.part("blender.surface.parts"),
-        addon_host.part("blender.base.object_handles"),
-    )
+    parts = addon_host.part("blender.surface.mesh_parts")
+    monkeypatch.setattr(parts, "_AT_ONCE", 0)  # some vertices at a time, as where an artist waits
+    found = addon_host.part("blender.surface.reading").read(surface, asked_for("Grass", kind))
+    evaluated = surface.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    matrix, mesh = np.array(evaluated.matrix_world), evaluated.to_mesh()
+    mesh.calc_loop_triangles()
+    expected = np.array([one.vertices for one in mesh.loop_triangles])
+    if kind == "mirrored":
+        expected = expected[:, ::-1]
+    places = np.array([vertex.co for vertex in mesh.vertices], dtype=np.float64)
+    np.testing.assert_array_equal(found.faces, expected)
+    np.testing.assert_allclose(found.vertices, places @ matrix[:3, :3].T + matrix[:3, 3])
+    np.testing.assert_array_equal(found.matrix, matrix)
+    if kind != "meta":
+        weights = [vertex.groups[0].weight for vertex in mesh.vertices]
+        np.testing.assert_allclose(found.weights["Grass"], weights, rtol=1e-6)
+
+
+def asked_for(name, kind=""):
     settings = addon_host.part("core.settings.values")
-    asked = settings.Settings(density=settings.DensitySettings(attribute="Grass"))
-    if kind == "meta":
-        asked = settings.Settings()
-    steps = addon_host.part("core.base.steps")
-    read = steps.run_now(parts.read_parts(asked, held.Held(surface), held.Held(surface)))
-    found = read.arrays()
-    expected = addon_host.part("blender.surface.surroundings").read_with(
-        asked, surface, bpy.context.evaluated_depsgraph_get()
-    )
-    for name in ("vertices", "faces", "matrix"):
-        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
-    assert found.topology == expected.topology
-    for name, values in expected.weights.items():
-        np.testing.assert_allclose(found.weights[name], values, rtol=1e-6)
+    density = settings.DensitySettings(attribute="" if kind == "meta" else name)
+    return settings.Settings(density=density)
+
+
+def test_weights_are_the_same_read_at_once_or_some_at_a_time(monkeypatch):
+    surface, asked = of_kind("quads"), asked_for("Grass")
+    reading = addon_host.part("blender.surface.reading")
+    at_once = reading.read(surface, asked)
+    monkeypatch.setattr(addon_host.part("blender.surface.mesh_parts"), "_AT_ONCE", 0)
+    assert reading.read(surface, asked).fingerprint == at_once.fingerprint
 
 
 def of_kind(kind):
@@ -108,21 +119,22 @@ def of_kind(kind):
 
 @pytest.mark.parametrize("domain", ["POINT", "FACE", "CORNER"])
 @pytest.mark.parametrize("kind", ["FLOAT", "BYTE_COLOR"])
-def test_values_read_in_parts_are_those_that_are_read_at_once(domain, kind):
+def test_values_are_those_of_the_attribute(domain, kind):
     surface = of_kind("quads")
     attribute = surface.data.attributes.new("Moss", kind, domain)
     random = np.random.Generator(np.random.PCG64(5))
     width = 4 if kind == "BYTE_COLOR" else 1
     values = random.random(width * len(attribute.data)).astype(np.float32)
     attribute.data.foreach_set("color" if width == 4 else "value", values)
-    settings, parts = (
-        addon_host.part("core.settings.values"),
-        addon_host.part("blender.surface.parts"),
+    found = addon_host.part("blender.surface.reading").read(surface, asked_for("Moss"))
+    stored = np.array(
+        [one.color if width == 4 else (one.value,) * 3 for one in attribute.data], dtype=np.float64
     )
-    held, steps = addon_host.part("blender.base.object_handles"), addon_host.part("core.base.steps")
-    asked = settings.Settings(density=settings.DensitySettings(attribute="Moss"))
-    read = steps.run_now(parts.read_parts(asked, held.Held(surface), held.Held(surface)))
-    expected = addon_host.part("blender.surface.surroundings").read_with(
-        asked, surface, bpy.context.evaluated_depsgraph_get()
-    )
-    np.testing.assert_array_equal(read.arrays().weights["Moss"], expected.weights["Moss"])
+    numbers = stored[:, :3].mean(axis=1)
+    if domain == "FACE":
+        mesh = surface.data
+        mesh.calc_loop_triangles()
+        numbers = numbers[[one.polygon_index for one in mesh.loop_triangles]][:, None]
+    elif domain == "CORNER":
+        numbers = numbers[found.loops]
+    np.testing.assert_allclose(found.weights["Moss"], numbers, rtol=1e-6)

@@ -13,8 +13,8 @@ dapple = pytest.importorskip("dapple3d")
 
 
 def arrays_of(surface):
-    reading = addon_host.part("blender.surface.surface_mesh")
-    return reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    reading = addon_host.part("blender.surface.mesh_parts")
+    return reading.read_mesh(surface)
 
 
 def fits(surface, obj, count=60):

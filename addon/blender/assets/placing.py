@@ -46,7 +46,7 @@ def place_steps(context: bpy.types.Context, surface: bpy.types.Object) -> Steps:
     held, before = Held(context.object), _Before.of(context.object)
     try:
         note = place(context.object, surface)
-        yield from optimize_steps(context)
+        yield from optimize_steps(held)
     except BaseException:
         before.put_back(held)
         raise

@@ -32,7 +32,7 @@ class Masks:
     known: Known = field(init=False)
 
     def __post_init__(self) -> None:
-        self.known = Known(self.last)
+        self.known = Known(arrays=self.last)
 
     def at_frame(
         self, surface: Held, held: Held, frame: int, kind: str, may_be_bare: bool

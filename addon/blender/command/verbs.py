@@ -12,6 +12,7 @@ from ...core.bake.baker import Baker
 from ...core.base.errors import ScatterError
 from ...core.base.steps import PAUSE, Steps, Task
 from ..bake.steps import bake_steps
+from ..base.object_handles import Held
 from ..base.times import show_time, time_of, times_of
 from ..export.points import export_points
 from ..freshness.contents import solved_time
@@ -64,7 +65,7 @@ def _optimize(group: list[bpy.types.Object], asked: Asked) -> Steps:
         )
     with frame_kept(bpy.context.scene, show=asked.frame):
         frame = bpy.context.scene.frame_current
-        yield from optimize_steps(bpy.context)
+        yield from optimize_steps(Held(obj))
     return {"state": OPTIMIZED, "frame": frame, **_figures(obj)}
 
 

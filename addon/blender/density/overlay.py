@@ -24,7 +24,7 @@ from ..base.renders import busy
 from ..base.timers import call_within
 from ..base.translation import told
 from ..scatter.object import surface_of
-from ..surface.parts import read_parts
+from ..surface.reading import read_parts
 from . import legend as density_legend
 from .shown_term import Asked, asked_of, legend_of, watched_by
 
@@ -133,7 +133,7 @@ def _begin() -> None:
 
 
 def _steps(scatter: Held, surface: Held, asked: Asked) -> Steps:
-    read = yield from read_parts(asked.settings, surface, scatter)
+    read = yield from read_parts(surface, asked.settings, scatter)
     settings, density, alone = asked.settings, asked.density, asked.alone
     return (yield Task(lambda worker: computed(read.arrays(), settings, density, alone, worker)))
 

@@ -20,7 +20,7 @@ from ..solve.panel import draw_amount
 from ..solve.results_panel import draw_result
 from ..surface.beside import by_full_name
 from ..surface.joined import parts_of
-from ..surface.surface_mesh import read_surface
+from ..surface.mesh_parts import read_mesh
 from ..surface.values import surface_materials
 from . import overlay
 from .operators import (
@@ -194,7 +194,7 @@ def is_closed(obj: bpy.types.Object) -> bool:
 
 def _look(surface: bpy.types.Object) -> bool:
     try:
-        arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
+        arrays = read_mesh(surface)
     except ScatterError:  # it says so elsewhere
         return False
     if not len(arrays.faces):

@@ -20,7 +20,7 @@ from ..scatter.modifier import ensure_modifier, scatter_modifier
 from ..scatter.object import is_scatter, settings_of
 from ..surface.bound import current_steps, other_faces
 from ..surface.mesh_parts import mesh_parts
-from ..surface.parts import read_parts
+from ..surface.reading import read_parts
 
 _INPUT = "Preview"
 
@@ -40,7 +40,7 @@ def begin_steps(preview: Preview) -> Steps:
     """Read all that the density asks for, have a worker prepare, show what is stored."""
     obj, surface = preview.scatter.get(), preview.surface.get()
     settings = settings_of(obj)
-    read = yield from read_parts(settings, preview.surface, preview.scatter)
+    read = yield from read_parts(preview.surface, settings, preview.scatter)
     arrays = yield Task(lambda _: read.arrays())
     obj, surface = preview.scatter.get(), preview.surface.get()
     if obj.dapple.bound_to == "FACES" and other_faces(obj, arrays):

@@ -30,7 +30,8 @@ from ..scatter.object import settings_of
 from ..scatter.points import points_digest
 from ..surface.beside import own_objects
 from ..surface.joined import collections_of, members_of
-from ..surface.surface_mesh import read_surface, value_digests
+from ..surface.mesh_parts import read_outline
+from ..surface.reading import value_digests
 from ..surface.surroundings import read_around
 
 SURFACE, VALUES, AROUND = "surface", "values", "around"
@@ -63,7 +64,7 @@ class Present:
     def surface(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Looked:
         """The surface of a scatter; ScatterError if it has no mesh."""
         surface = obj.dapple.surface
-        return self._kept(SURFACE, surface.session_uid, lambda: _look(surface, depsgraph))
+        return self._kept(SURFACE, surface.session_uid, lambda: _look(surface))
 
     def sources(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Sources:
         """All that a solution would be solved from now; ScatterError if none can be."""
@@ -73,13 +74,13 @@ class Present:
         values = self._kept(
             VALUES,
             (uid, names, materials),
-            lambda: value_digests(surface, depsgraph, names, materials),
+            lambda: value_digests(surface, names, materials),
         )
         own = sorted(one.session_uid for one in own_objects(obj))
         beside = self._kept(
             AROUND,
             (uid, settings.density, own),
-            lambda: around_sources(outline.pose, read_around(settings, surface, depsgraph, obj)),
+            lambda: around_sources(outline.pose, read_around(settings, surface, obj)),
         )
         found = surface_sources(outline, values, settings)
         return replace(joined(found, beside), frame=float(depsgraph.scene.frame_current_final))
@@ -100,8 +101,8 @@ class Present:
         return known[1]
 
 
-def _look(surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Looked:
-    arrays = read_surface(surface, depsgraph, cut=False)
+def _look(surface: bpy.types.Object) -> Looked:
+    arrays = read_outline(surface)
     count, bare = len(arrays.vertices), _is_bare(arrays)
     trouble = "has no faces" if bare else _trouble(arrays)
     if trouble:

@@ -29,9 +29,9 @@ from ..base.step_operators import is_under_way
 from ..base.timers import call_in
 from ..base.undo import push_undo
 from ..display import preview
-from .background_optimize import steps_of
 from .changes import NOBODY, Cause, Changes, follows, scatters
 from .holds import is_held
+from .optimize import optimize_steps
 
 _POLL = 0.005  # seconds between two looks at a worker
 _PART = 0.01  # seconds of a look in which the artist waits
@@ -207,7 +207,8 @@ def _begin() -> None:
     wish = _state.asked.get(held.uid)
     if wish is not None or follows(obj):
         cause = _state.caused.pop(held.uid, NOBODY) | {held.uid}
-        steps = steps_of(held, None if wish is None else wish.drops_keys)
+        drops_keys = wish is not None and wish.drops_keys
+        steps = optimize_steps(held, asked=wish is not None, drops_keys=drops_keys)
         _state.job = _Job(held, Stepper(steps), cause, wish)
     else:
         _state.changes.pass_over(held.uid)

@@ -10,12 +10,14 @@ from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps
 from ..base import jobs
 from ..base.jobs import Outcome
+from ..base.object_handles import Held
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator
 from ..base.translation import operator_label, told
 from ..display import preview
 from ..surface.polls import ready
 from . import auto_update
-from .optimize import optimize_steps, rebind_steps
+from .optimize import optimize_steps
+from .reattach import rebind_steps
 
 
 def _asks(operator: Any, context: bpy.types.Context) -> bool:
@@ -107,7 +109,7 @@ class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
         return StepsOperator.execute(self, context)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        return optimize_steps(context)
+        return optimize_steps(Held(context.object))
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:

@@ -1,54 +1,157 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Optimize and Reattach, as steps (core/base/steps.py): read, let the worker solve, check, write.
+"""Optimize, as steps: read part by part, have the worker solve, check, write.
 
-Between two steps the artist may delete anything, so objects are found again by their uid.
+Scripts and the command line run the steps to their end at once, auto_update.py a little at a time;
+it gives them up where something changes meanwhile.
 """
+
+from dataclasses import dataclass, replace
+from typing import Any
 
 import bpy
 
+from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps, Task
-from ...core.solve.class_counts import rooms
-from ...core.solve.solve import nearest_binding, scatter
+from ...core.settings.values import Settings
+from ...core.solve import incremental
+from ...core.solve.locked import Locked
+from ...core.solve.solve import Scattered, scatter
+from ...core.solve.stale import changed_settings
+from ...core.surface.arrays import SurfaceArrays
+from ...core.surface.sources import sources_of
 from ..base.object_handles import Held
-from ..freshness.concurrent_edits import check_points_kept, points_now
-from ..scatter.object import settings_of
-from ..scatter.points import columns_with_own_ids, locked_points, places_of
+from ..base.quiet import quiet
+from ..freshness.concurrent_edits import check_points_kept, check_writable, points_now
+from ..freshness.staleness import is_edited, needs_solving
+from ..scatter.object import is_fluid, settings_of
+from ..scatter.points import locked_points
+from ..scatter.store import write_figures
 from ..surface.bound import rest_of
 from ..surface.joining import surface_for
-from ..surface.reading import as_read, read
+from ..surface.reading import check_faces, read_steps
 from ..surface.rest_position import kind_of_binding, rest_position
-from .session_solutions import write_reattached, write_solved
+from .session_solutions import before_of, write_solved
+
+_RELAXED, _EVEN = 0.4, 0.9  # of the progress
 
 
-def optimize_steps(context: bpy.types.Context) -> Steps:
-    """Scatter the active scatter object's points anew."""
-    held = Held(context.object)
-    settings, bind_to = settings_of(context.object), context.object.dapple.bind_to
-    with surface_for(context.object) as surface:
-        kind = kind_of_binding(surface.get(), context, bind_to)
-        arrays = read(surface.get(), settings, context.object)
-        locked = locked_points(context.object)
-        solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
-        obj = held.get()
-        with as_read(arrays, surface, settings, obj), rest_position(surface, kind):
-            rest = rest_of(surface.get(), arrays, solved.binding, kind)
-            write_solved(obj, arrays, solved, rest)
-    return obj
+def optimize_steps(held: Held, *, asked: bool = True, drops_keys: bool = True) -> Steps:
+    """Solve a scatter; whether that was done.
+
+    What is asked for is solved from the seed; points that the artist moves, locks or bakes
+    meanwhile are left alone, and so is a bake unless it may go. What nobody asked for is solved if
+    it does not fit what is there now, from the points that are there where they can be kept; points
+    that were edited by hand are left alone.
+    """
+    guard = _Guard(held, drops_keys) if asked else None
+    settings = settings_of(held.get())
+    with surface_for(held.get()) as surface:
+        arrays = yield from read_steps(surface, settings, held)
+        if not asked and not (yield from _is_outdated(held, arrays, settings)):
+            return False
+        check_faces(surface.get(), arrays)
+        kind = _kind(held.get(), surface.get(), arrays, asked)
+        update = Update(held, surface, arrays, settings, kind, locked_points(held.get()))
+        if not asked and _keeps(update):
+            yield from _keep_steps(update)
+        else:
+            yield from _anew_steps(update, guard)
+    return True
 
 
-def rebind_steps(context: bpy.types.Context) -> Steps:
-    """Bind the active scatter to the places of its surface that are nearest to its points."""
-    held = Held(context.object)
-    with surface_for(context.object) as surface:
-        kind = kind_of_binding(surface.get(), context, context.object.dapple.bind_to)
-        before, arrays = points_now(context.object), read(surface.get())
-        points, columns = places_of(context.object), columns_with_own_ids(context.object)
-        settings = settings_of(context.object)
-        binding = yield Task(lambda _: nearest_binding(points, arrays))
-        columns["dapple_room"] = rooms(points, columns["dapple_class"], settings)
-        obj = held.get()
-        check_points_kept(obj, before, "attached")
-        with as_read(arrays, surface), rest_position(surface, kind):
-            rest = rest_of(surface.get(), arrays, binding, kind)
-            write_reattached(obj, arrays, binding, columns, rest)
-    return obj
+class _Guard:
+    """Points that an artist has asked to solve: nothing that was done to them meanwhile is lost."""
+
+    def __init__(self, held: Held, drops_keys: bool) -> None:
+        self._held, self._drops_keys = held, drops_keys
+        self._before = points_now(held.get())
+        self._check_free()
+
+    def check(self) -> None:
+        """ScatterError where the points are others by now."""
+        self._check_free()
+        check_points_kept(self._held.get(), self._before)
+
+    def _check_free(self) -> None:
+        obj = self._held.get()
+        check_writable(obj)
+        if obj.dapple.baked_keys and not self._drops_keys:
+            raise ScatterError(f"Scatter '{obj.name}' was baked meanwhile: nothing was written")
+
+
+def _is_outdated(held: Held, arrays: SurfaceArrays, settings: Settings) -> Any:
+    """Whether a scatter has to be solved and may be."""
+    now = yield Task(lambda _: sources_of(arrays, settings))
+    return not is_edited(held.get()) and needs_solving(held.get(), now)
+
+
+def _kind(
+    obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays, asked: bool
+) -> str:
+    """FACES or REST; the faces of the render are looked at only where there are others, or where
+    somebody waits for the result.
+    """
+    known = obj.dapple.surface_topology.split()
+    automatic = obj.dapple.bind_to == "AUTO" and not is_fluid(surface)
+    if automatic and not asked and known == [arrays.topology]:
+        return str(obj.dapple.bound_to)
+    with quiet():  # it evaluates a copy in a scene of its own
+        return kind_of_binding(surface, bpy.context, obj.dapple.bind_to)
+
+
+@dataclass(frozen=True)
+class Update:
+    """A scatter that is to be solved, and from what."""
+
+    scatter: Held
+    surface: Held
+    arrays: SurfaceArrays
+    settings: Settings
+    kind: str  # of the binding
+    locked: Locked | None
+
+    def write(self, solved: Scattered) -> None:
+        """Store a result."""
+        with rest_position(self.surface, self.kind):
+            rest = rest_of(self.surface.get(), self.arrays, solved.binding, self.kind)
+            write_solved(self.scatter.get(), self.arrays, solved, rest)
+
+
+def _anew_steps(update: Update, guard: _Guard | None) -> Steps:
+    """From the seed."""
+    arrays, settings, locked = update.arrays, update.settings, update.locked
+    solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
+    if guard is not None:
+        guard.check()
+    update.write(solved)
+
+
+def _keep_steps(update: Update) -> Steps:
+    """From the points that are there: first where something has changed, then as many as there have
+    to be, and at last the figures.
+    """
+    arrays, settings, locked = update.arrays, update.settings, update.locked
+    before = before_of(update.scatter.get())
+    found: Scattered = yield Task(
+        lambda worker: incremental.kept(before, arrays, settings, worker, locked), 0.0, _RELAXED
+    )
+    if not incremental.is_whole(found, before):
+        count = found.report.count
+        update.write(replace(found, settings=replace(settings, count=count)))  # and so out of date
+        local = found
+        found = yield Task(
+            lambda worker: incremental.evened(local, worker, locked), _RELAXED, _EVEN
+        )
+    update.write(found)
+    written = found
+    measured = yield Task(lambda worker: incremental.measured(written, worker), _EVEN)
+    write_figures(update.scatter.get(), measured)
+
+
+def _keeps(update: Update) -> bool:
+    """Whether the points of a scatter are to be kept, and can be."""
+    obj = update.scatter.get()
+    changed = changed_settings(obj.dapple.solved_settings, update.settings)
+    same_faces = obj.dapple.surface_topology.split() == [update.arrays.topology]
+    there = "dapple_rank" in obj.data.attributes and obj.dapple.keep_points
+    return bool(there and incremental.keeps(update.settings, changed, same_faces))

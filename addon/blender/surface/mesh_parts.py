@@ -4,6 +4,7 @@
 What was read must be of one mesh: where a count is another one, it has changed meanwhile.
 """
 
+import sys
 from collections.abc import Collection, Generator
 from typing import Any
 
@@ -11,13 +12,20 @@ import bpy
 import numpy as np
 
 from ...core.base.errors import ScatterError
-from ...core.base.steps import PAUSE, Task
-from ...core.surface.mesh_snapshot import RawMesh, RawValues
-from ..base.mesh_arrays import corner_vertices, has_corner_normals, polygon_starts, shading_normals
+from ...core.base.steps import PAUSE, Task, run_now
+from ...core.surface.arrays import SurfaceArrays
+from ...core.surface.mesh_snapshot import RawMesh, RawValues, outline_of_raw, surface_of_raw
+from ..base.mesh_arrays import (
+    corner_vertices,
+    has_corner_normals,
+    matrix_of,
+    polygon_starts,
+    shading_normals,
+)
 from ..base.object_handles import Held
+from ..base.times import time_of
 from ..scatter.object import is_fluid
 from .surface_mesh import evaluated_mesh
-from .surroundings import uv_layer
 from .values import (
     GROUP_PART,
     all_group_weights,
@@ -27,13 +35,16 @@ from .values import (
     read_materials,
 )
 
-_AT_ONCE = 60_000  # vertices whose weights are read in one part, which takes half the time
+# Vertices whose weights are read in one part, which takes half the time; all where nobody waits.
+_AT_ONCE = sys.maxsize if bpy.app.background else 60_000
 Parts = Generator[Task, Any, Any]
 
 
-def mesh_parts(surface: Held, known: RawMesh | None = None, *, shaded: bool = True) -> Parts:
-    """Read a mesh, with its normals if they matter; what polygons it has, only where they are not
-    those of one known before.
+def mesh_parts(
+    surface: Held, known: RawMesh | None = None, *, shaded: bool = True, cut: bool = True
+) -> Parts:
+    """Read a mesh, with its normals if they matter, and Blender's triangles where polygons have
+    many corners; what polygons it has, only where they are not those of one known before.
     """
     obj = surface.get()
     with evaluated_mesh(obj, evaluated()) as mesh:
@@ -41,23 +52,25 @@ def mesh_parts(surface: Held, known: RawMesh | None = None, *, shaded: bool = Tr
         if len(positions):
             mesh.attributes["position"].data.foreach_get("vector", positions.ravel())
         corners, count = corner_vertices(mesh), len(mesh.polygons)
-        matrix = np.array(obj.evaluated_get(evaluated()).matrix_world, dtype=np.float64)
+        matrix = matrix_of(obj.evaluated_get(evaluated()))
         has_own = shaded and has_corner_normals(mesh, matrix)
-    fluid = is_fluid(obj)
+    fluid, time = is_fluid(obj), time_of(bpy.context.scene)
     normals = (yield from _normals(surface, len(corners))) if has_own else None
     if known is not None and len(known.starts) == count:
         found = RawMesh(
-            obj.name, positions, corners, known.starts, known.cut, matrix, fluid, normals
+            surface.name, positions, corners, known.starts, known.cut, matrix, fluid, normals, time
         )
         if found.same_faces(known):
             return found
     yield PAUSE
     starts = _starts(surface, len(corners), count)
-    cut = None
-    if np.max(np.diff(np.append(starts, len(corners))), initial=3) > 4:
+    triangles = None
+    if cut and np.max(np.diff(np.append(starts, len(corners))), initial=3) > 4:
         yield PAUSE
-        cut = _cut(surface, len(corners))
-    return RawMesh(obj.name, positions, corners, starts, cut, matrix, fluid, normals)
+        triangles = _cut(surface, len(corners))
+    return RawMesh(
+        surface.name, positions, corners, starts, triangles, matrix, fluid, normals, time
+    )
 
 
 def _normals(surface: Held, corner_count: int) -> Parts:
@@ -125,9 +138,29 @@ def read_uv(surface: Held, known: RawMesh, name: str) -> Any:
     return places
 
 
+def uv_layer(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.types.MeshUVLoopLayer:
+    """The UV map of that name of an object's evaluated mesh; none: the one that renders use."""
+    layers = mesh.uv_layers
+    layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
+    if layer is None:
+        wanted = f"no UV map '{name}'" if name else "no UV map, which an image needs"
+        raise ScatterError(f"Surface '{obj.name}' has {wanted}")
+    return layer
+
+
 def _check_count(surface: Held, count: int, known: int) -> None:
     if count != known:
         raise ScatterError(f"Surface '{surface.name}' changed while it was read")
+
+
+def read_mesh(obj: bpy.types.Object) -> SurfaceArrays:
+    """The surface as it is now, without values."""
+    return surface_of_raw(run_now(mesh_parts(Held(obj))))
+
+
+def read_outline(obj: bpy.types.Object) -> SurfaceArrays:
+    """The same without triangles, which take most of the time."""
+    return outline_of_raw(run_now(mesh_parts(Held(obj), shaded=False, cut=False)))
 
 
 def evaluated() -> bpy.types.Depsgraph:

@@ -16,7 +16,7 @@ from ..scatter.key_stores import check_keys, frames, read_baked, stored_object
 from ..scatter.object import surface_of
 from ..scatter.points import own_points
 from .bound import current_binding
-from .surface_mesh import read_surface
+from .mesh_parts import read_mesh, read_outline
 
 
 def places_now(obj: bpy.types.Object, rows: list[int], context: bpy.types.Context) -> Floats:
@@ -26,7 +26,7 @@ def places_now(obj: bpy.types.Object, rows: list[int], context: bpy.types.Contex
         ScatterError: the surface has not the faces that they are bound to.
     """
     surface = surface_of(obj)
-    arrays = read_surface(surface, context.evaluated_depsgraph_get())
+    arrays = read_mesh(surface)
     if not obj.dapple.baked_keys:
         binding, _ = current_binding(obj, surface, arrays)
         return binding.rows_at(rows).positions(arrays.vertices)
@@ -62,12 +62,12 @@ def _is_as_solved(obj: bpy.types.Object) -> bool:
 
 
 def _played(obj: bpy.types.Object, known: dict[int, Baked]) -> tuple[Floats, NDArray[np.bool_]]:
-    surface, depsgraph = surface_of(obj), bpy.context.evaluated_depsgraph_get()
+    surface = surface_of(obj)
     if not obj.dapple.baked_keys:
-        arrays = read_surface(surface, depsgraph)
+        arrays = read_mesh(surface)
         binding, _ = current_binding(obj, surface, arrays)
         return binding.positions(arrays.vertices), np.ones(len(binding.corners), dtype=bool)
-    vertices = read_surface(surface, depsgraph, cut=False).vertices
+    vertices = read_outline(surface).vertices
     if obj.session_uid not in known:
         known[obj.session_uid] = read_baked(obj)
     baked, count = known[obj.session_uid], len(obj.data.vertices)

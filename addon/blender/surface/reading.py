@@ -1,19 +1,95 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reading a surface in the frame that is shown, or in another one."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import bpy
 
 from ...core.base.errors import ScatterError
-from ...core.settings.values import Settings
+from ...core.base.steps import PAUSE, Task, run_now
+from ...core.density.terms import names_of
+from ...core.settings.values import Settings, materials_of
 from ...core.surface.arrays import SurfaceArrays, check_unchanged
+from ...core.surface.mesh_snapshot import RawMesh, RawValues, surface_of_raw
+from ...core.surface.sources import digest_of
 from ..base.object_handles import Held
 from ..base.times import show_time, time_of
 from .bound import with_rest
-from .surface_mesh import read_surface
-from .surroundings import Known, read_with
+from .mesh_parts import Parts, material_values, mesh_parts, value_parts
+from .surroundings import Beside, Known, lasting, parts_beside
+
+
+@dataclass
+class Read:
+    """What was read of a surface and from beside it."""
+
+    mesh: RawMesh
+    values: list[RawValues] = field(default_factory=list)
+    beside: Beside = field(default_factory=Beside)
+    like: SurfaceArrays | None = None  # the same faces on a frame before
+    still: list[str] = field(default_factory=list)  # values that are as there
+
+    def arrays(self) -> SurfaceArrays:
+        """All of it; for a worker."""
+        around = self.beside.surroundings()
+        found = surface_of_raw(self.mesh, self.values, around, self.beside.uv, self.like)
+        if self.like is None:
+            return found
+        weights = {name: self.like.weights[name] for name in self.still}
+        digests = self.like.digests | found.digests
+        return replace(found, weights=weights | found.weights, digests=digests)
+
+
+def read_parts(
+    surface: Held,
+    settings: Settings | None = None,
+    own: Held | None = None,
+    known: Known | None = None,
+) -> Parts:
+    """Read a surface part by part, with what settings take from it and from beside their scatter:
+    between two parts the artist's events are let through.
+
+    Only what Blender has to hand out is done here; a worker makes arrays of it. Something may
+    change between two parts: whoever reads watches for that and begins anew.
+    """
+    known = known or Known()
+    found = Read((yield from mesh_parts(surface, known.mesh)))
+    if settings is None:
+        return found
+    names, density = names_of(settings), settings.density
+    if known.arrays is not None:
+        found.like = known.like(found.mesh.topology)
+    found.still = lasting(surface.get(), names) if found.like is not None else []
+    for name in names:
+        if name not in found.still:
+            found.values.append((yield from value_parts(surface, found.mesh, name)))
+    if materials_of(density):
+        yield PAUSE
+        found.values.append(material_values(surface, found.mesh, materials_of(density)))
+    found.beside = yield from parts_beside(density, surface, own, found.mesh, known)
+    return found
+
+
+def read_steps(
+    surface: Held,
+    settings: Settings | None = None,
+    own: Held | None = None,
+    known: Known | None = None,
+) -> Any:
+    """The same as arrays. known saves what reading again would find unchanged, from frame to frame
+    of a bake.
+    """
+    read = yield from read_parts(surface, settings, own, known)
+    arrays = yield Task(lambda _: read.arrays())
+    if known is not None and settings is not None:
+        if read.like is None or known.mesh is None:
+            known.mesh = read.mesh
+        known.arrays = known.arrays if read.like is not None else arrays
+        known.picture = read.beside.picture
+    return arrays
 
 
 def read(
@@ -23,18 +99,32 @@ def read(
     may_be_bare: bool = False,
     known: Known | None = None,
 ) -> SurfaceArrays:
-    """The surface; with settings, also what they take from it and from beside their scatter.
-
-    ScatterError where it has no faces, unless it may be bare.
-    """
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    if settings is None:
-        arrays = read_surface(surface, depsgraph)
-    else:
-        arrays = read_with(settings, surface, depsgraph, own, known)
-    if not (len(arrays.faces) or may_be_bare):
-        raise ScatterError(_without_faces(surface, depsgraph))
+    """The same at once; ScatterError where it has no faces, unless it may be bare."""
+    scatter = Held(own) if own is not None else None
+    arrays: SurfaceArrays = run_now(read_steps(Held(surface), settings, scatter, known))
+    if not may_be_bare:
+        check_faces(surface, arrays)
     return arrays
+
+
+def check_faces(surface: bpy.types.Object, arrays: SurfaceArrays) -> None:
+    """ScatterError where a surface that was read has none."""
+    if not len(arrays.faces):
+        raise ScatterError(_without_faces(surface, bpy.context.evaluated_depsgraph_get()))
+
+
+def value_digests(
+    obj: bpy.types.Object, names: Collection[str], materials: Collection[str]
+) -> dict[str, str]:
+    """Digests of values of a surface, by name; see SurfaceArrays.digests."""
+    if not names and not materials:
+        return {}
+    surface = Held(obj)
+    mesh = run_now(mesh_parts(surface, shaded=False, cut=False))
+    found = [run_now(value_parts(surface, mesh, name)) for name in names]
+    if materials:
+        found.append(material_values(surface, mesh, materials))
+    return {raw.name: digest_of([raw.numbers(obj.name)]) for raw in found}
 
 
 def _without_faces(surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:

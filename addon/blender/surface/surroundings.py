@@ -2,7 +2,7 @@
 """What a density takes from beside its surface: an image, the camera, objects to avoid."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
@@ -10,19 +10,20 @@ import numpy as np
 
 from ...core.bake.keys import Baked
 from ...core.base.errors import ScatterError
-from ...core.density.terms import names_of
-from ...core.settings.values import DensitySettings, Settings, materials_of
+from ...core.base.steps import PAUSE, run_now
+from ...core.settings.values import DensitySettings, Settings
 from ...core.surface.arrays import Floats, Ints, SurfaceArrays, Surroundings
-from ...core.surface.mesh_snapshot import laid_image
+from ...core.surface.mesh_snapshot import RawImage, RawMesh, laid_image, surface_of_raw
 from ...core.surface.records import check_columns
 from ..base.mesh_arrays import matrix_of, read_columns
+from ..base.object_handles import Held
 from ..scatter.object import is_scatter
 from .beside import check_targets, obstacles_of, targets_of
 from .images import is_film, read_images
 from .joined import parts_of
 from .lines import read_lines
+from .mesh_parts import Parts, evaluated, mesh_parts, read_uv
 from .played import points_now
-from .surface_mesh import evaluated_mesh, read_surface
 
 # Modifiers that leave weights as they are wherever vertices stay.
 _KEEPS_WEIGHTS = {
@@ -60,8 +61,9 @@ _KEEPS_WEIGHTS = {
 class Known:
     """What was read on a frame before, where it cannot have changed."""
 
-    arrays: SurfaceArrays | None = None  # of the first frame with its faces
-    meshes: dict[int, tuple[Any, ...]] = field(default_factory=dict)  # place, vertices, faces
+    mesh: RawMesh | None = None  # of the first frame with its faces
+    arrays: SurfaceArrays | None = None  # what was made of it
+    meshes: dict[int, RawMesh] = field(default_factory=dict)  # beside the surface
     picture: dict[str, Any] | None = None
     scatters: dict[int, Baked] = field(default_factory=dict)  # keys of those that are baked
 
@@ -71,122 +73,110 @@ class Known:
         return self.arrays if same else None
 
 
-def read_with(
-    settings: Settings,
-    obj: bpy.types.Object,
-    depsgraph: bpy.types.Depsgraph,
-    own: bpy.types.Object | None = None,
-    known: Known | None = None,
-) -> SurfaceArrays:
-    """The evaluated surface with all that these settings take from it and from beside it.
+@dataclass
+class Beside:
+    """What was read beside a surface."""
 
-    own is the scatter that they are for: nothing that it makes or places is its obstacle. known
-    saves what reading again would find unchanged, from frame to frame of a bake.
+    uv: Any = None  # (c, 2) of the surface's corners
+    images: list[RawImage] = field(default_factory=list)  # one, or its tiles
+    channel: str = ""  # of the image
+    picture: dict[str, Any] | None = None  # made of the images, where it is known
+    camera: Floats | None = None
+    obstacles: list[RawMesh] = field(default_factory=list)
+    points: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    radii: Floats = field(default_factory=lambda: np.empty(0))
+    targets: list[RawMesh] = field(default_factory=list)
+    lines: list[Floats] = field(default_factory=lambda: [np.empty((0, 2, 3))])
+
+    def surroundings(self) -> Surroundings:
+        """All but texture coordinates, which triangles have; for a worker."""
+        if self.picture is None:
+            self.picture = laid_image(self.images, self.channel)
+        return Surroundings(
+            camera=self.camera,
+            obstacles=_solids(self.obstacles),
+            points=self.points,
+            radii=self.radii,
+            targets=_solids(self.targets),
+            lines=np.concatenate(self.lines),
+            **self.picture,
+        )
+
+
+def _solids(meshes: list[RawMesh]) -> tuple[tuple[Floats, Ints], ...]:
+    """Vertices and faces of those that have some."""
+    return tuple(one.solid for one in meshes if len(one.solid[1]))
+
+
+def parts_beside(
+    density: DensitySettings, surface: Held, own: Held | None, mesh: RawMesh | None, known: Known
+) -> Parts:
+    """Read what a density takes from beside a surface; nothing that the scatter `own` makes or
+    places is its obstacle. The mesh of the surface is needed where there is an image.
     """
-    names, materials = names_of(settings), materials_of(settings.density)
-    if known is None:
-        arrays = read_surface(obj, depsgraph, names, materials)
-        return replace(arrays, around=read_around(settings, obj, depsgraph, own))
-    first, still = known.arrays, lasting(obj, names)
-    fresh = [name for name in names if name not in still]
-    arrays = read_surface(obj, depsgraph, fresh, materials, like=first)
-    if first is None or first.topology != arrays.topology:
-        if still:
-            arrays = read_surface(obj, depsgraph, names, materials)
-        known.arrays = first = arrays
-    weights = {name: first.weights[name] for name in still}
-    arrays = replace(
-        arrays, weights=weights | arrays.weights, digests=first.digests | arrays.digests
-    )
-    return replace(arrays, around=read_around(settings, obj, depsgraph, own, known, arrays))
+    found = Beside()
+    if density.image:
+        found.uv = read_uv(surface, mesh, density.uv_map) if mesh is not None else None
+        yield PAUSE
+        yield from _picture_parts(found, density, known)
+    if density.use_camera:
+        found.camera = read_camera(evaluated())
+    if density.obstacles:
+        others = obstacles_of(density.obstacles, surface.get(), _object(own))
+        found.points, found.radii = balls(others, density.obstacle_margin, known.scatters)
+        for other in [Held(one) for one in others if not is_scatter(one)]:
+            found.obstacles.append((yield from _mesh_beside(other, known)))
+    yield from _target_parts(found, density, surface, own, known)
+    return found
+
+
+def _object(held: Held | None) -> bpy.types.Object | None:
+    return held.get() if held is not None else None
+
+
+def _picture_parts(found: Beside, density: DensitySettings, known: Known) -> Parts:
+    if known.picture is not None and not is_film(density.image):
+        found.picture = known.picture
+        return
+    found.channel = density.image_channel
+    for image in read_images(density.image):
+        found.images.append(image)
+        yield PAUSE
+
+
+def _mesh_beside(other: Held, known: Known) -> Parts:
+    obj = other.get()
+    before = known.meshes.get(other.uid)
+    place = matrix_of(obj.evaluated_get(evaluated()))
+    if before is not None and is_rigid(obj) and np.array_equal(before.matrix, place):
+        return before
+    known.meshes[other.uid] = mesh = yield from mesh_parts(other, shaded=False)
+    return mesh
+
+
+def _target_parts(
+    found: Beside, density: DensitySettings, surface: Held, own: Held | None, known: Known
+) -> Parts:
+    """Read what a distance is measured to."""
+    for other in [Held(one) for one in targets_of(density, surface.get(), _object(own))]:
+        lines = read_lines(other.get(), evaluated(), known.scatters)
+        if lines is None:
+            found.targets.append((yield from _mesh_beside(other, known)))
+        else:
+            found.lines.append(lines)
+        yield PAUSE
+    check_targets(density, len(found.targets) + sum(map(len, found.lines)))
 
 
 def read_around(
-    settings: Settings,
-    obj: bpy.types.Object,
-    depsgraph: bpy.types.Depsgraph,
-    own: bpy.types.Object | None,
-    known: Known | None = None,
-    arrays: SurfaceArrays | None = None,
+    settings: Settings, obj: bpy.types.Object, own: bpy.types.Object | None
 ) -> Surroundings:
-    """What these settings take from beside a surface, for this scatter."""
-    density, points, radii, meshes = settings.density, np.empty((0, 3)), np.empty(0), []
-    known = known or Known()
-    if density.obstacles:
-        others = obstacles_of(density.obstacles, obj, own)
-        points, radii = balls(others, density.obstacle_margin, known.scatters)
-        meshes = [_mesh(other, depsgraph, known) for other in others if not is_scatter(other)]
-    targets, lines = _targets(density, obj, depsgraph, own, known)
-    return Surroundings(
-        uv=_uv(obj, density.uv_map, depsgraph, arrays) if density.image else None,
-        camera=read_camera(depsgraph) if density.use_camera else None,
-        obstacles=tuple(mesh for mesh in meshes if len(mesh[1])),
-        points=points,
-        radii=radii,
-        targets=targets,
-        lines=lines,
-        **_picture(density.image, density.image_channel, known),
-    )
-
-
-def _targets(
-    density: DensitySettings,
-    obj: bpy.types.Object,
-    depsgraph: bpy.types.Depsgraph,
-    own: bpy.types.Object | None,
-    known: Known,
-) -> tuple[tuple[tuple[Floats, Ints], ...], Floats]:
-    """Meshes and lines that a distance is measured to."""
-    meshes, lines = [], [np.empty((0, 2, 3))]
-    for other in targets_of(density, obj, own):
-        found = read_lines(other, depsgraph, known.scatters)
-        if found is None:
-            meshes.append(_mesh(other, depsgraph, known))
-        else:
-            lines.append(found)
-    check_targets(density, len(meshes) + sum(map(len, lines)))
-    return tuple(meshes), np.concatenate(lines)
-
-
-def _uv(
-    obj: bpy.types.Object,
-    name: str,
-    depsgraph: bpy.types.Depsgraph,
-    arrays: SurfaceArrays | None = None,
-) -> Floats:
-    """Texture coordinates (m, 3, 2) of the triangles' corners, as they were read if given."""
-    with evaluated_mesh(obj, depsgraph) as mesh:
-        layer = uv_layer(obj, mesh, name)
-        places = np.empty(2 * len(mesh.loops), dtype=np.float32)
-        layer.uv.foreach_get("vector", places)
-        if arrays is not None and arrays.loops is not None:
-            return np.ascontiguousarray(places.reshape(-1, 2)[arrays.loops].astype(np.float64))
-        mesh.calc_loop_triangles()
-        corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
-        mesh.loop_triangles.foreach_get("loops", corners)
-    matrix = np.array(obj.evaluated_get(depsgraph).matrix_world)
-    found = places.reshape(-1, 2)[corners].reshape(-1, 3, 2).astype(np.float64)
-    if np.linalg.det(matrix[:3, :3]) < 0.0:  # as read_surface turns the faces
-        found = found[:, ::-1]
-    return np.ascontiguousarray(found)
-
-
-def uv_layer(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.types.MeshUVLoopLayer:
-    """The UV map of that name of an object's evaluated mesh; none: the one that renders use."""
-    layers = mesh.uv_layers
-    layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
-    if layer is None:
-        wanted = f"no UV map '{name}'" if name else "no UV map, which an image needs"
-        raise ScatterError(f"Surface '{obj.name}' has {wanted}")
-    return layer
-
-
-def _picture(name: str, channel: str, known: Known) -> dict[str, Any]:
-    if not name:
-        return {}
-    if known.picture is None or is_film(name):
-        known.picture = laid_image(list(read_images(name)), channel)
-    return known.picture
+    """What these settings take from beside a surface, for a scatter."""
+    surface, scatter = Held(obj), Held(own) if own is not None else None
+    mesh = run_now(mesh_parts(surface, shaded=False)) if settings.density.image else None
+    found = run_now(parts_beside(settings.density, surface, scatter, mesh, Known()))
+    around: Surroundings = found.surroundings()
+    return around if mesh is None else surface_of_raw(mesh, (), around, found.uv).around
 
 
 def check_camera(scene: bpy.types.Scene) -> None:
@@ -214,18 +204,6 @@ def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:
     there[:3, :3] /= np.linalg.norm(there[:3, :3], axis=0)  # renders ignore a camera's scale
     found: Floats = np.array(frame, dtype=np.float64) @ np.linalg.inv(there)
     return found
-
-
-def _mesh(
-    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, known: Known
-) -> tuple[Floats, Ints]:
-    place = matrix_of(obj.evaluated_get(depsgraph))
-    before = known.meshes.get(obj.session_uid)
-    if before is not None and is_rigid(obj) and np.array_equal(before[0], place):
-        return before[1], before[2]
-    arrays = read_surface(obj, depsgraph)
-    known.meshes[obj.session_uid] = (place, arrays.vertices, arrays.faces)
-    return arrays.vertices, arrays.faces
 
 
 def balls(

@@ -38,7 +38,8 @@ def run_now(steps: Steps) -> Any:
     try:
         task = next(steps)
         while True:
-            task = _answer(steps, *_outcome(task.call, package().Context()))
+            done = (None, None) if task is PAUSE else _outcome(task.call, package().Context())
+            task = _answer(steps, *done)
     except StopIteration as stop:
         return stop.value
     finally:

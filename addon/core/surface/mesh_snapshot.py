@@ -7,6 +7,7 @@ Reading has to be done in the main thread, where the artist waits for it; the re
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ class RawMesh:
     # Unit normals (c, 3) of the corners, or (p, 3) of the polygons where all of them are flat;
     # None: those of the vertices, smooth everywhere.
     normals: Singles | None = None
+    time: float = 0.0  # frame of the animation, with its fraction
 
     def same_place(self, other: "RawMesh") -> bool:
         """Whether both have the same vertices at the same places."""
@@ -47,6 +49,7 @@ class RawMesh:
         alike = len(self.positions) == len(other.positions)
         return alike and np.array_equal(self.corners, other.corners)
 
+    @cached_property
     def topology(self) -> str:
         """Digest of the polygons."""
         found = topology_digest(len(self.positions), self.corners, self.starts)
@@ -66,6 +69,12 @@ class RawMesh:
         if self.normals is None:
             return None
         return world_normals(self.normals, self.matrix, sizes(self.starts, len(self.corners)))
+
+    @cached_property
+    def solid(self) -> tuple[Floats, Ints]:
+        """Vertices and triangles in world space."""
+        found = surface_of_raw(self)
+        return found.vertices, found.faces
 
     @property
     def is_mirrored(self) -> bool:
@@ -194,15 +203,15 @@ def surface_of_raw(
     values: Iterable["RawValues"] = (),
     around: Surroundings | None = None,
     uv: Singles | None = None,
+    like: SurfaceArrays | None = None,
 ) -> SurfaceArrays:
-    """The surface in world space; uv (c, 2) are texture coordinates of the corners.
+    """The surface in world space; uv (c, 2) are texture coordinates of the corners. Polygons that
+    are those of another surface are cut as there.
 
     Raises:
         ScatterError: values can be no density.
     """
-    cut = triangle_corners(mesh)
-    if mesh.is_mirrored:  # a mirrored surface still faces outward
-        cut = cut[:, ::-1]
+    cut = _cut_like(mesh, like)
     around = Surroundings() if around is None else around
     if uv is not None:
         around = replace(around, uv=np.ascontiguousarray(uv[cut], dtype=np.float64))
@@ -211,13 +220,30 @@ def surface_of_raw(
         mesh.name,
         mesh.vertices(),
         np.ascontiguousarray(mesh.corners[cut]),
-        mesh.topology(),
+        mesh.topology,
         mesh.matrix,
         weights,
         around,
         loops=np.ascontiguousarray(cut),
         normals=mesh.world_normals(),
+        time=mesh.time,
         digests=digests,
+    )
+
+
+def _cut_like(mesh: RawMesh, like: SurfaceArrays | None) -> Ints:
+    """Corners (m, 3) of the triangles as they face outward."""
+    if like is not None and like.loops is not None and like.topology == mesh.topology:
+        return like.loops
+    cut = triangle_corners(mesh)
+    return cut[:, ::-1] if mesh.is_mirrored else cut
+
+
+def outline_of_raw(mesh: RawMesh) -> SurfaceArrays:
+    """The surface without triangles and values."""
+    none = np.empty((0, 3), dtype=np.int32)
+    return SurfaceArrays(
+        mesh.name, mesh.vertices(), none, mesh.topology, mesh.matrix, loops=none, time=mesh.time
     )
 
 
