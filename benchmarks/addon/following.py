@@ -41,7 +41,7 @@ def measure_following(sites: int, faces: int, rounds: int, types: int = 1) -> di
     for number in range(rounds):
         for name, seconds in _stroke(surface, scatter, number).items():
             taken[name].append(seconds)
-    auto_update._leaving()
+    auto_update.reset()
     auto_update.enabled = False
     return {name: float(np.median(values)) for name, values in taken.items()}
 
