@@ -1,17 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node groups as Python sources: what plays a scatter back without the add-on."""
 
+from .builder import VERSION, VERSION_KEY, version_of
 from .detail import DETAIL_INPUTS
-from .groups import VERSION, VERSION_KEY, version_of
 from .inputs import get_input, has_input, inputs_of, put_inputs, set_input
-from .scatter import (
-    GROUP_NAME,
-    INPUTS,
-    INSTANCE_INPUTS,
-    ensure_group,
-    input_name,
-    is_current,
-)
+from .scatter import GROUP_NAME, INPUTS, INSTANCE_INPUTS, ensure_group, input_name, is_current
 
 __all__ = [
     "DETAIL_INPUTS",

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import bpy
 
 from .bound_place import BOUND_POINT
+from .builder import Group, ensure
 from .detail import DETAIL, VIEWPORT
-from .groups import Group, ensure
 from .instances import INSTANCES
 from .points import POINTS
 from .rest_place import REST_POINT

@@ -4,8 +4,7 @@
 import bpy
 
 from ..core.surface.frames import LEAST_HEIGHT
-from .builder import Builder, Socket, new_group
-from .groups import Group, inner
+from .builder import Builder, Group, Socket, inner, new_group
 from .standing import STANDING
 from .surface import NORMAL, SHADING
 

@@ -10,8 +10,7 @@ import re
 
 import bpy
 
-from .builder import Builder, Socket, new_group
-from .groups import Group, inner
+from .builder import Builder, Group, Socket, inner, new_group
 
 DETAIL_INPUTS = [
     ("Detail in Viewport", "NodeSocketBool"),

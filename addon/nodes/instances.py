@@ -4,8 +4,7 @@
 import bpy
 
 from ..core.settings.weights import DIGIT, DIGITS
-from .builder import Builder, Socket, new_group
-from .groups import Group, inner
+from .builder import Builder, Group, Socket, inner, new_group
 
 WIDTH = DIGITS * DIGIT  # letters for each instance
 

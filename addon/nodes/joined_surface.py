@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from .builder import Builder, Socket, new_group
-from .groups import Group, inner
+from .builder import Builder, Group, Socket, inner, new_group
 
 KEY = "dapple_joined"  # of a node group that joins
 Offset = tuple[float, float, float]

@@ -11,8 +11,7 @@ from typing import Any
 import bpy
 
 from .bound_place import BOUND_PLACE, SHADING_INPUTS
-from .builder import Builder, Socket, new_group
-from .groups import Group, inner
+from .builder import Builder, Group, Socket, inner, new_group
 from .rest_place import REST_PLACE
 
 _CORNERS = [f"dapple_{kind}{k}" for kind in "vc" for k in range(3)]

@@ -6,8 +6,7 @@ from typing import Any
 
 import bpy
 
-from .builder import Builder, Socket, new_group
-from .groups import Group, inner
+from .builder import Builder, Group, Socket, inner, new_group
 from .key_point import KEY_POINT, MOMENT
 from .rest_place import REST_SHAPE
 from .surface import SHADING, SURFACE

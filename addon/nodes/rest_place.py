@@ -3,8 +3,7 @@
 
 import bpy
 
-from .builder import Builder, Socket, new_group
-from .groups import Group, inner
+from .builder import Builder, Group, Socket, inner, new_group
 from .standing import STANDING
 from .surface import NORMAL, SHADING
 

@@ -3,9 +3,8 @@
 
 import bpy
 
-from .builder import Builder, Socket, new_group
+from .builder import VERSION, VERSION_KEY, Builder, Group, Socket, inner, new_group, version_of
 from .detail import DETAIL, DETAIL_INPUTS, VIEWPORT
-from .groups import VERSION, VERSION_KEY, Group, inner, version_of
 from .instances import INSTANCES
 from .points import NUMBERS, POINT_INPUTS, POINTS
 

@@ -9,8 +9,7 @@ Switch on a field waits for guesses that the processor got wrong.
 
 import bpy
 
-from .builder import Builder, Socket, new_group
-from .groups import Group
+from .builder import Builder, Group, Socket, new_group
 
 
 def _build_standing() -> bpy.types.NodeTree:

@@ -11,8 +11,7 @@ import functools
 
 import bpy
 
-from .builder import Builder, Socket, new_group
-from .groups import Group
+from .builder import Builder, Group, Socket, new_group
 
 _UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 _EPSILON = 1e-5  # of squared lengths and of dot products, relative

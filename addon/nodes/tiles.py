@@ -4,8 +4,7 @@
 import bpy
 
 from .bound_place import BOUND_POINT
-from .builder import Builder, Socket, new_group
-from .groups import Group, inner
+from .builder import Builder, Group, Socket, inner, new_group
 from .rest_place import REST_POINT
 
 OFFSET = "dapple_offset"  # of a vertex from its place, in the axes there

@@ -121,9 +121,9 @@ def _parts() -> Iterator[dict[str, float]]:
         (optimize, "sources_of", "comparing"),
         (optimize.Update, "write", "writing"),
         (Stepper, "run_for", "main thread"),
-        (incremental, "Ground", "  surface"),
-        (incremental, "_relaxed", "  relaxing"),
-        (incremental, "_classes_relaxed", "  relaxing"),
+        (incremental, "ground_of", "  surface"),
+        (incremental, "relaxed", "  relaxing"),
+        (incremental, "classes_relaxed", "  relaxing"),
         (incremental, "_scattered", "  columns"),
         (optimize, "before_of", "reading points"),
     ]

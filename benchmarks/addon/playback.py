@@ -16,7 +16,7 @@ import numpy as np
 from mathutils import Vector
 
 from addon import nodes
-from addon.blender.surface.mesh_parts import read_mesh
+from addon.blender.surface.mesh import read_mesh
 from addon.nodes.builder import Builder, Socket, new_group
 from benchmarks.bake.made_up import add_bake, add_scatter
 

@@ -14,7 +14,7 @@ import numpy as np
 from addon.blender import main_panel
 from addon.blender.base import panel_values
 from addon.blender.freshness import findings
-from addon.blender.surface.mesh_parts import read_mesh
+from addon.blender.surface.mesh import read_mesh
 from benchmarks.bake.made_up import add_bake, add_scatter
 
 _FRAMES = 10

@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 
 import addon
-from addon.blender.surface.mesh_parts import read_mesh
+from addon.blender.surface.mesh import read_mesh
 from benchmarks.bake.made_up import add_bake, add_scatter
 
 GOAL = 120.0  # MB for 250 frames x 20,000 sites

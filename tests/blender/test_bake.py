@@ -249,7 +249,7 @@ def test_a_topology_that_changes_is_bound_again_when_asked(every):
     assert table["dapple_vertices"].tolist() == [410, 410, 410, 1634, 1634, 1634]
     assert table["dapple_span"][2] == 0  # nothing is interpolated across the change
     dapple, before = addon_host.part("core.base.native").package(), None
-    reading = addon_host.part("blender.surface.mesh_parts")
+    reading = addon_host.part("blender.surface.mesh")
     staleness = addon_host.part("blender.freshness.staleness")
     for frame in np.arange(1.0, FRAMES + 0.1, 0.25):
         at(int(frame), frame % 1.0)
@@ -337,7 +337,7 @@ def test_a_broken_record_is_refused():
 def test_a_quad_that_is_cut_the_other_way_keeps_its_points():
     surface = scenes.tail()
     obj = scenes.scattered(surface)
-    reading = addon_host.part("blender.surface.mesh_parts")
+    reading = addon_host.part("blender.surface.mesh")
     binding = addon_host.part("core.surface.binding")
     points = addon_host.part("blender.scatter.points")
     dapple = addon_host.part("core.base.native").package()

@@ -63,7 +63,7 @@ def flickering(bare, last=10, count=120, everything=True, start=None):
 
 
 def area(surface):
-    reading = addon_host.part("blender.surface.mesh_parts")
+    reading = addon_host.part("blender.surface.mesh")
     arrays = reading.read_mesh(surface)
     if not len(arrays.faces):
         return 0.0

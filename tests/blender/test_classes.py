@@ -245,7 +245,7 @@ def test_a_bake_keeps_classes_even_and_survives_another_class():
 def variation(surface, points):
     """Of the areas of points on a surface as it is now."""
     dapple = addon_host.part("core.base.native").package()
-    arrays = addon_host.part("blender.surface.mesh_parts").read_mesh(surface)
+    arrays = addon_host.part("blender.surface.mesh").read_mesh(surface)
     native = dapple.Surface(arrays.vertices, arrays.faces)
     closest = dapple.project(native, points)
     samples = dapple.Samples(native, closest.faces, closest.barycentric)

@@ -61,7 +61,7 @@ def body(frames=4, modifier=None):
 
 def as_seen(surface, depsgraph):
     """The surface with its rest shape as a depsgraph has it."""
-    rest = addon_host.part("blender.surface.surface_mesh").read_rest(surface, depsgraph)
+    rest = addon_host.part("blender.surface.mesh").read_rest(surface, depsgraph)
     return probe.triangles(surface, depsgraph), rest
 
 

@@ -39,7 +39,7 @@ def waiting(monkeypatch):
             "unfinished",
             "picture_digest",
         ),
-        "blender.surface.surface_mesh": ("evaluated_mesh", "topology"),
+        "blender.surface.mesh": ("evaluated_mesh", "topology"),
         "blender.bake.operators": ("all_work_files",),
     }
     for module, names in counted.items():

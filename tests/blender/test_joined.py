@@ -57,7 +57,7 @@ def test_selected_objects_are_one_surface():
 
 
 def arrays_of(surface):
-    reading = addon_host.part("blender.surface.mesh_parts")
+    reading = addon_host.part("blender.surface.mesh")
     return reading.read_mesh(surface)
 
 

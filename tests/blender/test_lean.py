@@ -110,7 +110,7 @@ def test_a_baked_lean_is_played(randomness):
     obj.dapple.turn_randomness = randomness
     points, writing, reading = (
         addon_host.part(f"blender.{name}")
-        for name in ("scatter.points", "scatter.key_writing", "surface.mesh_parts")
+        for name in ("scatter.points", "scatter.key_writing", "surface.mesh")
     )
     arrays = reading.read_mesh(surface)
     binding, _ = points.read_binding(obj, len(arrays.vertices))

@@ -88,7 +88,7 @@ def test_optimize_follows_the_settings_and_the_frame():
     assert len(scenes.positions(obj)) == 90
     dapple = pytest.importorskip("dapple3d")
     vertices = scenes.world_vertices(surface)
-    reading = addon_host.part("blender.surface.mesh_parts")
+    reading = addon_host.part("blender.surface.mesh")
     faces = reading.read_mesh(surface).faces
     distances = dapple.project(dapple.Surface(vertices, faces), scenes.positions(obj)).distances
     assert np.max(distances) < 1e-5 * scenes.size(vertices)
@@ -163,7 +163,7 @@ def test_a_surface_out_of_the_view_layer_is_evaluated_all_the_same():
 
 def test_an_object_that_is_not_evaluated_cannot_be_read():
     errors = addon_host.part("core.base.errors")
-    reading = addon_host.part("blender.surface.mesh_parts")
+    reading = addon_host.part("blender.surface.mesh")
     loose = bpy.data.objects.new("Loose", bpy.data.meshes.new("Loose"))
     with pytest.raises(errors.ScatterError, match="'Loose' is not evaluated"):
         reading.read_mesh(loose)

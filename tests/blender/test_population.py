@@ -218,7 +218,7 @@ def following(made):
 
 
 def read_now(surface):
-    reading = addon_host.part("blender.surface.mesh_parts")
+    reading = addon_host.part("blender.surface.mesh")
     return reading.read_mesh(surface)
 
 

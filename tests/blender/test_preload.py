@@ -32,7 +32,7 @@ def test_blenders_own_embree_and_tbb_change_nothing(tmp_path):
     lib = Path(bpy.utils.resource_path("LOCAL")).parent / "lib"
     preload = [*lib.glob("libembree4.so.4"), *lib.glob("libtbb.so.12")]
     assert len(preload) == 2
-    reading = addon_host.part("blender.surface.mesh_parts")
+    reading = addon_host.part("blender.surface.mesh")
     read = reading.read_mesh(scenes.sphere())
     np.savez(tmp_path / "sphere.npz", read.vertices, read.faces)
     assert sampled(tmp_path / "sphere.npz", preload) == sampled(tmp_path / "sphere.npz", [])

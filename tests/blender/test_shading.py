@@ -160,7 +160,7 @@ def check_as_python_says(obj, surface):
     """Instances without a turn of their own have the axes of core/surface/frames.py."""
     obj.dapple.turn_randomness = 0.0
     part = addon_host.part
-    reading, frames = part("blender.surface.mesh_parts"), part("core.surface.frames")
+    reading, frames = part("blender.surface.mesh"), part("core.surface.frames")
     arrays = reading.read_mesh(surface)
     binding, _ = part("blender.scatter.points").read_binding(obj, len(arrays.vertices))
     expected = frames.frames(binding, arrays.vertices, frames.shading(arrays)).axes(binding.carry)
@@ -247,7 +247,7 @@ def test_an_export_has_the_shading_normals(tmp_path):
 def test_the_package_is_told_the_shading_normals(make):
     surface = make()
     part = addon_host.part
-    reading, settings = part("blender.surface.mesh_parts"), part("core.settings.values")
+    reading, settings = part("blender.surface.mesh"), part("core.settings.values")
     arrays = reading.read_mesh(surface)
     ground = part("core.density.ground").ground_of(arrays, settings.Settings())
     told, own = ground.surface.corner_normals, part("core.surface.frames").corner_normals(arrays)

@@ -34,7 +34,7 @@ def rotations(normals, aheads, turns, side=1.0):
 
 
 def _tree(side):
-    builder, groups = addon_host.part("nodes.builder"), addon_host.part("nodes.groups")
+    builder, groups = addon_host.part("nodes.builder"), addon_host.part("nodes.builder")
     geometry = [("Geometry", "NodeSocketGeometry")]
     tree = builder.new_group("Chain", geometry, geometry)
     b = builder.Builder(tree)

@@ -20,7 +20,7 @@ PLACES = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 1), (-2, 2, 0), (-2, 0, 0), (0
 
 @pytest.mark.parametrize("faces", FACES.values(), ids=FACES.keys())
 def test_a_surface_has_the_triangles_and_corners_of_its_mesh(faces):
-    reading = addon_host.part("blender.surface.mesh_parts")
+    reading = addon_host.part("blender.surface.mesh")
     corners = addon_host.part("blender.base.mesh_arrays")
     mesh = bpy.data.meshes.new("Faces")
     mesh.from_pydata(PLACES, [], faces)
@@ -60,7 +60,7 @@ def test_weights_of_a_group_are_those_of_each_vertex():
 @pytest.mark.parametrize("kind", ["ico", "quads", "concave", "ngons", "mirrored", "meta"])
 def test_a_surface_is_read_with_the_triangles_and_weights_of_blender(kind, monkeypatch):
     surface = of_kind(kind)
-    parts = addon_host.part("blender.surface.mesh_parts")
+    parts = addon_host.part("blender.surface.mesh")
     monkeypatch.setattr(parts, "_AT_ONCE", 0)  # some vertices at a time, as where an artist waits
     found = addon_host.part("blender.surface.reading").read(surface, asked_for("Grass", kind))
     evaluated = surface.evaluated_get(bpy.context.evaluated_depsgraph_get())
@@ -88,7 +88,7 @@ def test_weights_are_the_same_read_at_once_or_some_at_a_time(monkeypatch):
     surface, asked = of_kind("quads"), asked_for("Grass")
     reading = addon_host.part("blender.surface.reading")
     at_once = reading.read(surface, asked)
-    monkeypatch.setattr(addon_host.part("blender.surface.mesh_parts"), "_AT_ONCE", 0)
+    monkeypatch.setattr(addon_host.part("blender.surface.mesh"), "_AT_ONCE", 0)
     assert reading.read(surface, asked).fingerprint == at_once.fingerprint
 
 

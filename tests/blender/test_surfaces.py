@@ -13,7 +13,7 @@ dapple = pytest.importorskip("dapple3d")
 
 
 def arrays_of(surface):
-    reading = addon_host.part("blender.surface.mesh_parts")
+    reading = addon_host.part("blender.surface.mesh")
     return reading.read_mesh(surface)
 
 

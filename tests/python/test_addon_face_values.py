@@ -13,7 +13,8 @@ from addon.core.base.errors import ScatterError
 from addon.core.density.ground import ground_of
 from addon.core.density.terms import density_of
 from addon.core.settings.values import MATERIAL, ClassSettings, DensitySettings, Settings
-from addon.core.solve.incremental import Before, evened, is_whole, kept
+from addon.core.solve.carried import Before
+from addon.core.solve.incremental import evened, is_whole, kept
 from addon.core.solve.locked import Locked
 from addon.core.solve.solve import scatter
 from addon.core.surface import mesh_snapshot

@@ -10,7 +10,8 @@ from shapes import torus
 
 from addon.core.base.errors import ScatterError
 from addon.core.settings.values import ClassSettings, DensitySettings, Settings
-from addon.core.solve.incremental import Before, as_placed, evened, is_whole, keeps, kept, measured
+from addon.core.solve.carried import Before
+from addon.core.solve.incremental import as_placed, evened, is_whole, keeps, kept, measured
 from addon.core.solve.locked import Locked
 from addon.core.solve.solve import Scattered, scatter
 from addon.core.surface.arrays import SurfaceArrays, Surroundings

@@ -19,7 +19,7 @@ from ..base.timers import call_within
 from ..scatter.library import read_only
 from ..scatter.object import is_scatter, is_surface, is_unsolved
 from ..solve import auto_update
-from ..solve.holds import is_held
+from ..solve.auto_update import is_held
 from .marking import instanced
 from .placing import place
 

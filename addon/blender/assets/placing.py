@@ -16,7 +16,7 @@ from ..presets.fit import met
 from ..presets.stored import apply, values_of
 from ..scatter.object import surface_of
 from ..solve.optimize import optimize_steps
-from ..surface.surface_mesh import evaluated_mesh
+from ..surface.mesh import evaluated_mesh
 from ..surface.values import read_weights
 from .marking import empty_mesh
 

@@ -20,7 +20,7 @@ from ..solve.panel import draw_amount
 from ..solve.results_panel import draw_result
 from ..surface.beside import by_full_name
 from ..surface.joined import parts_of
-from ..surface.mesh_parts import read_mesh
+from ..surface.mesh import read_mesh
 from ..surface.values import surface_materials
 from . import overlay
 from .operators import (

@@ -19,7 +19,7 @@ from ..base.object_handles import Held
 from ..scatter.modifier import ensure_modifier, scatter_modifier
 from ..scatter.object import is_scatter, settings_of
 from ..surface.bound import current_steps, other_faces
-from ..surface.mesh_parts import mesh_parts
+from ..surface.mesh import mesh_parts
 from ..surface.reading import read_parts
 
 _INPUT = "Preview"

@@ -9,7 +9,7 @@ from mathutils.bvhtree import BVHTree
 
 from ...core.surface.arrays import Floats
 from ..scatter.object import surface_of
-from ..surface.surface_mesh import evaluated_mesh
+from ..surface.mesh import evaluated_mesh
 
 
 def met(surface: bpy.types.Object, origin: Vector, direction: Vector) -> Floats | None:

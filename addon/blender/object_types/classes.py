@@ -12,11 +12,16 @@ from ...core.solve.stale import changed_settings
 from ...core.surface.arrays import Floats, Ints
 from ...core.surface.sources import sources_from
 from ...nodes import INSTANCE_INPUTS
+from ..base import jobs, renders
+from ..base.handlers import Evaluation, Subscriber
+from ..base.quiet import is_quiet
 from ..base.step_operators import OPTIONS, AllOrNothing
 from ..base.times import show_time
 from ..base.translation import told
+from ..scatter.library import read_only
 from ..scatter.modifier import ensure_modifier, property_name, write_instance_inputs
-from ..scatter.object import settings_of
+from ..scatter.object import is_scatter, settings_of
+from ..scatter.placed_objects import follow_bounds, follow_members
 from ..scatter.points import own_columns, point_columns_of
 from ..settings.updates import settings_changed
 from ..surface.played import places_now
@@ -192,3 +197,22 @@ CLASSES = (
     DAPPLE_OT_edit_classes,
     DAPPLE_OT_select_overlap,
 )
+
+
+def _updated(evaluation: Evaluation) -> None:
+    """What is placed has its scatter evaluated too."""
+    if is_quiet() or jobs.current() is not None or renders.busy():
+        return
+    for obj, _ in evaluation.objects():
+        if is_scatter(obj) and not read_only(obj):
+            _follow(obj, evaluation.depsgraph)
+
+
+def _follow(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
+    if any([follow_members(kind) for kind in (obj.dapple, *obj.dapple.classes)]):
+        write_instance_inputs(obj)
+    for kind in obj.dapple.classes:
+        follow_bounds(kind, depsgraph)
+
+
+SUBSCRIBER = Subscriber(updated=_updated)

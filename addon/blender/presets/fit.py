@@ -9,8 +9,7 @@ import bpy
 from ...core.base.errors import ScatterError
 from ...core.settings import presets
 from ..base.translation import reported
-from ..surface.mesh_parts import uv_layer
-from ..surface.surface_mesh import evaluated_mesh
+from ..surface.mesh import evaluated_mesh, uv_layer
 from ..surface.surroundings import check_camera
 from ..surface.values import read_weights
 from .stored import fits, folder, type_properties

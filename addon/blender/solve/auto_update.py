@@ -19,6 +19,7 @@ import bpy
 from ...core.base.errors import ScatterError
 from ...core.base.schedule import Schedule
 from ...core.base.steps import Stepper
+from ..base import artist, renders, step_operators
 from ..base.all_or_nothing import sentence
 from ..base.artist import is_operated
 from ..base.handlers import Evaluation, Subscriber
@@ -30,7 +31,6 @@ from ..base.timers import call_in
 from ..base.undo import push_undo
 from ..display import preview
 from .changes import NOBODY, Cause, Changes, follows, scatters
-from .holds import is_held
 from .optimize import optimize_steps
 
 _POLL = 0.005  # seconds between two looks at a worker
@@ -318,3 +318,13 @@ def follow_up(obj: bpy.types.Object, step: str) -> None:
     preview.solved_anew(obj)
     if step:
         push_undo(step)
+
+
+def is_held() -> bool:
+    """Whether Blender renders, plays, paints a stroke, or an operator of the add-on works."""
+    return (
+        renders.busy()
+        or step_operators.is_under_way()
+        or artist.is_playing()
+        or artist.is_painting()
+    )

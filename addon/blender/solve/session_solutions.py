@@ -9,7 +9,8 @@ from collections import OrderedDict
 
 import bpy
 
-from ...core.solve.incremental import Before, as_placed
+from ...core.solve.carried import Before
+from ...core.solve.incremental import as_placed
 from ...core.solve.solve import Scattered, Solved
 from ...core.surface.arrays import Ints, SurfaceArrays
 from ...core.surface.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, Binding, Columns, binding_from

@@ -21,7 +21,7 @@ from ...core.surface.rest import AtRest, at_rest, bound_at_rest
 from ..base.mesh_arrays import to_local
 from ..scatter.object import is_fluid
 from ..scatter.points import own_columns, point_columns_of, read_at_rest, read_binding
-from .surface_mesh import read_rest
+from .mesh import read_rest
 
 
 def other_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> str:

@@ -16,7 +16,7 @@ from ..scatter.key_stores import check_keys, frames, read_baked, stored_object
 from ..scatter.object import surface_of
 from ..scatter.points import own_points
 from .bound import current_binding
-from .mesh_parts import read_mesh, read_outline
+from .mesh import read_mesh, read_outline
 
 
 def places_now(obj: bpy.types.Object, rows: list[int], context: bpy.types.Context) -> Floats:

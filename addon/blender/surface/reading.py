@@ -18,7 +18,7 @@ from ...core.surface.sources import digest_of
 from ..base.object_handles import Held
 from ..base.times import show_time, time_of
 from .bound import with_rest
-from .mesh_parts import Parts, material_values, mesh_parts, value_parts
+from .mesh import Parts, material_values, mesh_parts, value_parts
 from .surroundings import Beside, Known, lasting, parts_beside
 
 

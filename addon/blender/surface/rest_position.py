@@ -16,8 +16,8 @@ from ..base.translation import english
 from ..scatter.library import read_only
 from ..scatter.object import is_fluid
 from .joined import parts_of
+from .mesh import evaluated_mesh
 from .subdivision import check_render_topology, render_mismatch
-from .surface_mesh import evaluated_mesh
 
 
 def kind_of_binding(obj: bpy.types.Object, context: bpy.types.Context, bind_to: str) -> str:

@@ -20,7 +20,7 @@ from ..base.translation import Say, english, told
 from ..scatter.library import read_only
 from ..scatter.object import active_surface
 from .joined import parts_of
-from .surface_mesh import evaluated_mesh, topology
+from .mesh import evaluated_mesh, topology
 
 # Modifier type -> properties that the viewport and the render read.
 _PAIRS = {

@@ -18,11 +18,10 @@ from ...core.surface.records import check_columns
 from ..base.mesh_arrays import matrix_of, read_columns
 from ..base.object_handles import Held
 from ..scatter.object import is_scatter
-from .beside import check_targets, obstacles_of, targets_of
+from .beside import check_targets, obstacles_of, read_lines, targets_of
 from .images import is_film, read_images
 from .joined import parts_of
-from .lines import read_lines
-from .mesh_parts import Parts, evaluated, mesh_parts, read_uv
+from .mesh import Parts, evaluated, mesh_parts, read_uv
 from .played import points_now
 
 # Modifiers that leave weights as they are wherever vertices stay.

@@ -12,7 +12,7 @@ from ...core.surface.arrays import Floats, SurfaceArrays
 from ...core.surface.records import REST_ATTRIBUTES, ROW_ATTRIBUTES, Binding
 from ...core.tiles import Tiles
 from ...nodes import set_input, tiles
-from ...nodes.groups import ensure
+from ...nodes.builder import ensure
 from ..base.mesh_arrays import read_points, to_local, write_columns
 from ..base.quiet import quiet
 from ..scatter.library import open_collections, read_only

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading an evaluated mesh part by part: its shape, values on it, texture coordinates.
-
-What was read must be of one mesh: where a count is another one, it has changed meanwhile.
-"""
+"""The evaluated mesh of a surface: read in parts as arrays, its rest positions."""
 
 import sys
-from collections.abc import Collection, Generator
+from collections.abc import Collection, Generator, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import bpy
@@ -13,19 +11,20 @@ import numpy as np
 
 from ...core.base.errors import ScatterError
 from ...core.base.steps import PAUSE, Task, run_now
-from ...core.surface.arrays import SurfaceArrays
+from ...core.surface.arrays import Floats, SurfaceArrays, topology_digest
 from ...core.surface.mesh_snapshot import RawMesh, RawValues, outline_of_raw, surface_of_raw
 from ..base.mesh_arrays import (
     corner_vertices,
     has_corner_normals,
     matrix_of,
     polygon_starts,
+    read_columns,
     shading_normals,
 )
 from ..base.object_handles import Held
 from ..base.times import time_of
 from ..scatter.object import is_fluid
-from .surface_mesh import evaluated_mesh
+from .joined import parts_of
 from .values import (
     GROUP_PART,
     all_group_weights,
@@ -34,6 +33,50 @@ from .values import (
     raw_values,
     read_materials,
 )
+
+
+@contextmanager
+def evaluated_mesh(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph
+) -> Iterator[bpy.types.Mesh]:
+    """The mesh of an object after its modifiers, gone when the block ends."""
+    evaluated = obj.evaluated_get(depsgraph)
+    if not evaluated.is_evaluated:
+        raise ScatterError(
+            f"Surface '{obj.name}' is not evaluated: it must be in the view layer and not disabled"
+        )
+    mesh = evaluated.to_mesh()
+    if mesh is None:
+        raise ScatterError(f"Surface '{obj.name}' has no mesh: its type is {obj.type}")
+    try:
+        yield mesh
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def read_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
+    """Rest positions (v, 3) of the evaluated surface's vertices; ScatterError if they are lost."""
+    name = "rest_position"
+    for part in parts_of(obj):
+        if part.type == "MESH":  # the parts of a joined surface may be others
+            _check_rest(part, depsgraph, name)
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        return read_columns(mesh, {name: "FLOAT_VECTOR"})[name].astype(np.float64)
+
+
+def _check_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, name: str) -> None:
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        if name not in mesh.attributes:
+            raise ScatterError(
+                f"Surface '{obj.name}': its modifiers make a mesh without rest positions: use "
+                "Match Subdivision and set Attach To to Faces, or apply them"
+            )
+
+
+def topology(mesh: bpy.types.Mesh) -> str:
+    """Digest of a mesh's polygons."""
+    return topology_digest(len(mesh.vertices), corner_vertices(mesh), polygon_starts(mesh))
+
 
 # Vertices whose weights are read in one part, which takes half the time; all where nobody waits.
 _AT_ONCE = sys.maxsize if bpy.app.background else 60_000

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points carried over to a surface that has changed, and where it has."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.native import package
+from ..density.ground import Ground
+from ..settings.values import Settings
+from ..surface.arrays import Floats, Ints, SurfaceArrays
+from ..surface.binding import samples_of
+from ..surface.records import Binding, Columns
+from .solve import Solved
+
+SAME_PLACE = 1e-5  # of a surface's extent: vertices that are moved by less are where they were
+
+
+@dataclass(frozen=True)
+class Before:
+    """The points as they are stored, and their solution where it is remembered."""
+
+    binding: Binding
+    columns: Columns
+    solved: Solved | None = None
+    touched: Floats | None = None  # (k, 3) where points were placed, in the surface's own space
+
+
+def cut_alike(solved: Solved | None, arrays: SurfaceArrays) -> SurfaceArrays:
+    """With quads cut along the same diagonals as before, which may be others once they are bent.
+
+    A picture and values of face corners lie on the triangles as they were read.
+    """
+    laid = arrays.around.uv is not None or any(map(_is_of_corners, arrays.weights.values()))
+    if solved is None or laid or arrays.topology != solved.arrays.topology:
+        return arrays
+    mirrored = np.linalg.det(arrays.matrix[:3, :3]) * np.linalg.det(solved.arrays.matrix[:3, :3])
+    if mirrored < 0.0:
+        return arrays
+    return replace(arrays, faces=solved.arrays.faces, loops=solved.arrays.loops)
+
+
+def _is_of_corners(values: Floats) -> bool:
+    return values.ndim == 2 and values.shape[1] == 3
+
+
+def carried_points(
+    before: Before, arrays: SurfaceArrays, ground: Ground, settings: Settings
+) -> tuple[Any, Ints]:
+    """dapple.Samples of the ground that are there, and the faces on which something changed."""
+    solved, everything = before.solved, np.arange(len(ground.surface.faces), dtype=np.int32)
+    ids, classes = before.columns["id"], before.columns["dapple_class"]
+    if solved is None or not np.array_equal(solved.arrays.faces, arrays.faces):
+        samples = samples_of(before.binding, ground.original, ids, classes)
+        return ground.from_original(samples), everything
+    vertices = _in_pose(solved.arrays, arrays)
+    if not (ground.is_cut or solved.ground.is_cut):
+        surface = solved.ground.surface.deformed(vertices)
+        changed: Ints = package().changed_faces(surface, ground.surface)
+        for name in _densities(settings):
+            other = solved.ground.corner_density(name) != ground.corner_density(name)
+            changed = np.union1d(changed, np.flatnonzero(other.any(axis=1))).astype(np.int32)
+        samples = solved.samples
+        if vertices is not solved.arrays.vertices or not np.array_equal(samples.ids, ids):
+            places = (samples.faces, samples.barycentric)
+            samples = package().Samples(surface, *places, ids=ids, classes=classes)
+        return samples, changed
+    coarse = solved.ground.to_original(solved.samples)
+    places = (coarse.faces, coarse.barycentric)
+    samples = package().Samples(ground.original, *places, ids=ids, classes=classes)
+    old = replace(solved.arrays, vertices=vertices)
+    return ground.from_original(samples), _changed_pieces(
+        solved.ground, old, ground, arrays, settings
+    )
+
+
+def _in_pose(before: SurfaceArrays, now: SurfaceArrays) -> Floats:
+    """The previous vertices where they are once the object was moved or turned as a whole."""
+    if np.array_equal(before.matrix, now.matrix):
+        return before.vertices
+    motion = now.matrix @ np.linalg.inv(before.matrix)
+    linear = motion[:3, :3]
+    if not np.allclose(linear.T @ linear, np.eye(3), atol=SAME_PLACE):
+        return before.vertices
+    moved = before.vertices @ linear.T + motion[:3, 3]
+    extent = np.ptp(now.vertices, axis=0).max(initial=0.0)
+    same = np.abs(moved - now.vertices).max(axis=1) <= SAME_PLACE * extent
+    found: Floats = np.where(same[:, None], now.vertices, moved)
+    return found
+
+
+def _densities(settings: Settings) -> list[str]:
+    """Names of the values that multiply the densities of object types."""
+    return sorted({kind.density for kind in settings.classes if kind.density})
+
+
+def _changed_pieces(
+    before: Ground, old: SurfaceArrays, ground: Ground, arrays: SurfaceArrays, settings: Settings
+) -> Ints:
+    """Pieces of cut faces where there is another density or shape than before."""
+    names = _densities(settings)
+    now = _pieces(ground, arrays, names)
+    same = np.isin(now, _pieces(before, old, names))
+    alike = (old.vertices == arrays.vertices).all(axis=1)[arrays.faces].all(axis=1)
+    alike &= (before.own_density == ground.own_density).all(axis=1)
+    for name in names:
+        alike &= (_of_faces(old, name) == _of_faces(arrays, name)).all(axis=1)
+    parents = before.pieces[0][~_is_plain(before)]
+    alike[parents] = False
+    same |= _is_plain(ground) & alike[ground.pieces[0]]  # it is merely cut otherwise
+    return np.flatnonzero(~same).astype(np.int32)
+
+
+def _of_faces(arrays: SurfaceArrays, name: str) -> Floats:
+    """Values (m, 3) at the corners of the faces."""
+    values = arrays.weights[name]
+    found: Floats = values[arrays.faces] if values.ndim == 1 else values
+    return np.broadcast_to(found, arrays.faces.shape)
+
+
+def _is_plain(ground: Ground) -> NDArray[np.bool_]:
+    """Which pieces (m,) have the density that the face had before it was cut."""
+    parents, corners = ground.pieces
+    values = np.einsum("mkc,mc->mk", corners, ground.own_density[parents])
+    found: NDArray[np.bool_] = np.isclose(ground.corner_density(), values, atol=0.0).all(axis=1)
+    return found
+
+
+def _pieces(ground: Ground, arrays: SurfaceArrays, names: list[str]) -> NDArray[np.uint64]:
+    """Numbers (m,) that are the same where a piece lies at the same place of the same face that was
+    read, with the same density of all and of object types with values of these names.
+    """
+    parents, corners = ground.pieces
+    count = len(parents)
+    places = arrays.vertices[arrays.faces[parents]].reshape(count, 9)
+    densities = [ground.corner_density(name) for name in ("", *names)]
+    rows = np.concatenate([corners.reshape(count, 9), places, *densities], axis=1)
+    bits = (rows + 0.0).view(np.uint64)  # there is a -0.0 too
+    odd = 2 * np.random.default_rng(1).integers(2**62, size=1 + bits.shape[1], dtype=np.uint64) + 1
+    mixed = parents.astype(np.uint64) * odd[0]
+    for column, factor in zip(bits.T, odd[1:], strict=True):
+        mixed = (mixed ^ column) * factor
+        mixed ^= mixed >> np.uint64(29)
+    return mixed
+
+
+def touched_faces(before: Before, arrays: SurfaceArrays, ground: Ground) -> Ints:
+    """Faces at which points were placed, moved or removed by hand."""
+    if before.touched is None or not len(before.touched):
+        return np.empty(0, dtype=np.int32)
+    places = before.touched @ arrays.matrix[:3, :3].T + arrays.matrix[:3, 3]
+    return np.unique(package().project(ground.surface, places).faces).astype(np.int32)

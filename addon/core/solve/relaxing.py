@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points evened out near a change, as many as there have to be."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.native import package
+from ..density.ground import Ground
+from ..settings.values import Settings
+from ..surface.arrays import Floats, Ints
+from .class_counts import classes_of, sampled, wanted_counts
+from .locked import Locked
+
+_ROUGH = 5e-4  # tolerance of classes while they are shown before their counts are right
+_HANDFUL = 3  # points that come or go at a place without many others giving way
+_RINGS = 3.0  # spacings around those points, within which others make room for them
+_YIELDS = 0.015  # of its area, by which a point gives way to others that come or go
+_FEW = 0.02  # of the points that move, which may be too many or too few where they are
+_TRIES = 4  # to have no point where the density is 0
+_STRANDED = 0.5  # of all points: where more have no density any more, all are placed anew
+_MOST = 1.0  # of all points: where more have to come from elsewhere, all are placed anew
+_MANY = 0.05  # of all points: where more have to come from elsewhere, all are moved at once
+
+
+def relaxed(
+    ground: Ground,
+    given: Any,
+    changed: Ints,
+    settings: Settings,
+    context: Any,
+    locked: Locked | None,
+) -> Any:
+    wanted = _wanted(ground, settings)
+    everything = len(changed) == len(ground.surface.faces)
+    if not len(changed) and wanted == len(given):
+        return given
+    if locked is None and _stranded(ground, given) > _STRANDED:
+        return sampled(ground, settings, context)
+    if everything or not len(changed) or not len(given):
+        return resampled(ground, given, settings, context, locked)
+    coming = 0.0 if settings.per_area else _coming(ground, given, changed)
+    if locked is None and coming > _MOST * wanted:
+        return sampled(ground, settings, context)
+    if coming > _MANY * wanted:
+        return resampled(ground, given, settings, context, locked)
+    options = {
+        "locked": locked_rows(given, locked),
+        "context": context,
+        **settings.sample_options(),
+    }
+    found = package().relax(ground.surface, given, changed, **options)
+    missing = abs(len(found) - wanted)
+    if missing and missing <= _FEW * np.count_nonzero(~staying(given, found)):
+        return package().relax(ground.surface, given, changed, count=wanted, **options)
+    return found
+
+
+def classes_relaxed(
+    ground: Ground,
+    given: Any,
+    changed: Ints,
+    settings: Settings,
+    context: Any,
+    locked: Locked | None,
+) -> Any:
+    """Several classes where something has changed; anew where that is everywhere."""
+    if len(changed) == len(ground.surface.faces) or not len(given):
+        return sampled(ground, settings, context, locked)
+    if locked is None and _stranded(ground, given) > _STRANDED:
+        return sampled(ground, settings, context)
+    options = settings.sample_options()
+    options["tolerance"] = max(options.get("tolerance", 0.0), _ROUGH)
+    return package().relax(
+        ground.surface,
+        given,
+        changed,
+        classes=classes_of(ground, settings, wanted_counts(ground, settings)),
+        free_counts=True,
+        locked=locked_rows(given, locked),
+        context=context,
+        **options,
+    )
+
+
+def with_counts(
+    ground: Ground, given: Any, settings: Settings, context: Any, locked: Locked | None
+) -> Any:
+    """Several classes, each with its count and even over the whole surface."""
+    return package().relax(
+        ground.surface,
+        given,
+        [],
+        classes=classes_of(ground, settings, wanted_counts(ground, settings)),
+        locked=locked_rows(given, locked),
+        context=context,
+        **settings.sample_options(),
+    )
+
+
+def _stranded(ground: Ground, given: Any) -> float:
+    """Share of the points that are where the density is 0 now."""
+    if not len(given):
+        return 0.0
+    return float((ground.corner_density()[given.faces] == 0.0).all(axis=1).mean())
+
+
+def off_nothing(
+    ground: Ground, found: Any, settings: Settings, context: Any, locked: Locked | None
+) -> Any:
+    """The points without those where the density is 0, and others in their place; locked ones stay
+    anywhere.
+    """
+    for _ in range(_TRIES):
+        left = ground.density_at(found) == 0.0
+        left[locked_rows(found, locked)] = False
+        if not left.any():
+            return found
+        who = {"ids": found.ids[~left], "classes": found.classes[~left]}
+        places = found.faces[~left], found.barycentric[~left]
+        rest = package().Samples(ground.surface, *places, **who)
+        found = resampled(ground, rest, settings, context, locked)
+    return found
+
+
+def _coming(ground: Ground, given: Any, changed: Ints) -> float:
+    """About how many more points the changed faces need to be as dense as all others."""
+    corners = ground.surface.vertices[ground.surface.faces]
+    sides = corners[:, 1:] - corners[:, :1]
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    capacities = areas * ground.corner_density().mean(axis=1)
+    inside = np.count_nonzero(np.isin(given.faces, changed))
+    capacity = float(capacities[changed].sum())
+    rest = float(capacities.sum()) - capacity
+    return capacity / rest * (len(given) - inside) - inside if rest > 0.0 else float(len(given))
+
+
+def evened_around(
+    ground: Ground,
+    given: Any,
+    faces: Ints,
+    settings: Settings,
+    context: Any,
+    locked: Locked | None,
+) -> Any:
+    """As many points as there are, even around these faces.
+
+    Points come and go there first: neighbors alone would leave a ring where several were removed.
+    Then as many go or come, if they are many among so many around that each gives way by little.
+    """
+
+    def relaxed(samples: Any, where: Ints, count: int | None, rows: Ints) -> Any:
+        options = settings.sample_options()
+        return package().relax(
+            ground.surface, samples, where, count=count, locked=rows, context=context, **options
+        )
+
+    found = relaxed(given, faces, None, locked_rows(given, locked))
+    spare = abs(len(found) - len(given))
+    if not spare:
+        return found
+    away = _away(ground, found, faces)
+    nearest = np.argsort(away)[: round(spare / _YIELDS) if spare > _HANDFUL else 0]
+    reach = away[nearest].max(initial=0.0) + _RINGS * found.report.spacing
+    stay = np.union1d(locked_rows(found, locked), np.flatnonzero(away > reach)).astype(np.int32)
+    around = np.union1d(faces, found.faces[nearest]).astype(np.int32)
+    return relaxed(found, around, len(given), stay)
+
+
+def _away(ground: Ground, samples: Any, faces: Ints) -> Floats:
+    """Distances (n,) of samples from the nearest of these faces."""
+    middles = ground.surface.vertices[ground.surface.faces[faces]].mean(axis=1)
+    ways = [np.linalg.norm(samples.positions - one, axis=1) for one in middles]
+    found: Floats = np.min(ways, axis=0)
+    return found
+
+
+def resampled(
+    ground: Ground, given: Any, settings: Settings, context: Any, locked: Locked | None
+) -> Any:
+    """All points made even, as many as there have to be; none of them stays but the locked ones."""
+    options, wanted = settings.sample_options(), _wanted(ground, settings)
+    rows = locked_rows(given, locked)
+    return package().resample(
+        ground.surface, given, wanted, locked=rows, context=context, **options
+    )
+
+
+def _wanted(ground: Ground, settings: Settings) -> int:
+    """Points of one class."""
+    return wanted_counts(ground, settings)[0]
+
+
+def locked_rows(samples: Any, locked: Locked | None) -> Ints:
+    """Rows of the samples that are locked."""
+    ids = np.empty(0, dtype=np.int32) if locked is None else locked.ids
+    return np.flatnonzero(np.isin(samples.ids, ids)).astype(np.int32)
+
+
+def old_rows(given: Any, found: Any) -> Ints:
+    """Rows (n,) that samples had before; -1 for new ones."""
+    order = np.argsort(given.ids)
+    place = np.searchsorted(given.ids, found.ids, sorter=order)
+    rows = order[np.minimum(place, len(order) - 1)] if len(order) else np.zeros(len(found), int)
+    there = given.ids[rows] == found.ids if len(order) else np.zeros(len(found), bool)
+    return np.where(there, rows, -1).astype(np.int32)
+
+
+def staying(given: Any, found: Any) -> NDArray[np.bool_]:
+    """Which samples (n,) are where they were."""
+    rows = old_rows(given, found)
+    there = rows >= 0
+    there[there] = (found.positions[there] == given.positions[rows[there]]).all(axis=1)
+    return there
