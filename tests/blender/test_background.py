@@ -36,6 +36,17 @@ def test_it_is_what_a_script_gets(live, obj):
     assert not live.watcher.is_asked(obj)
 
 
+def test_it_looks_again_whether_renders_have_other_faces(live):
+    surface = scenes.tail()
+    obj = scenes.scattered(surface)
+    obj.dapple.auto_update_choice = "OFF"
+    assert obj.dapple.bound_to == "FACES"
+    surface.modifiers["Subdivision"].render_levels = 2
+    live.watcher.ask(obj)
+    assert live.settle() == 1
+    assert obj.dapple.bound_to == "REST"
+
+
 def test_it_does_not_wait_for_a_pause_and_the_old_points_stay(live, obj):
     live.settle()
     before = scenes.positions(obj)
