@@ -217,7 +217,7 @@ def until_idle() -> Story:
 
 def works() -> bool:
     """Whether long work goes on."""
-    return addon_host.part("blender.base.jobs").current() is not None
+    return addon_host.part("blender.base.operator_jobs").current() is not None
 
 
 def shot(name: str) -> Story:

@@ -16,7 +16,7 @@ from .assets import dropped
 from .assets import library as assets_library
 from .assets import operators as assets_operators
 from .bake import operators as bake_operators
-from .base import handlers, jobs, panel_values, recent_objects, renders, translation
+from .base import handlers, jobs, operator_jobs, panel_values, recent_objects, renders, translation
 from .command import entry
 from .density import operators as density_operators
 from .density import overlay
@@ -51,7 +51,7 @@ _WITH_CLASSES: tuple[Any, ...] = (
     ),
     *(presets_operators, main_panel, assets_library, preferences),
 )
-_CLASSES = tuple(one for module in _WITH_CLASSES for one in module.CLASSES)
+CLASSES = tuple(one for module in _WITH_CLASSES for one in module.CLASSES)
 _LISTENING: tuple[Any, ...] = (  # to Blender's events, in this order
     renders,
     unfinished_bakes,
@@ -59,6 +59,7 @@ _LISTENING: tuple[Any, ...] = (  # to Blender's events, in this order
     presets_operators,
     findings,
     jobs,
+    operator_jobs,
     recent_objects,
     preview,
     overlay,
@@ -121,7 +122,7 @@ def _follow_settings() -> None:
 
 
 def _add_classes() -> None:
-    for cls in _CLASSES:
+    for cls in CLASSES:
         _describe(cls)
         bpy.utils.register_class(cls)
     bpy.types.VIEW3D_MT_mesh_add.append(add_panel.draw_add_menu)
@@ -129,7 +130,7 @@ def _add_classes() -> None:
 
 def _remove_classes() -> None:
     bpy.types.VIEW3D_MT_mesh_add.remove(add_panel.draw_add_menu)
-    for cls in filter(properties.is_registered, reversed(_CLASSES)):
+    for cls in filter(properties.is_registered, reversed(CLASSES)):
         bpy.utils.unregister_class(cls)
 
 

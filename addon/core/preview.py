@@ -52,7 +52,7 @@ class Follower:
         """
         if np.array_equal(vertices, self._seen):
             return None
-        samples = self._advanced(vertices, budget, context)
+        samples = self.advanced(vertices, budget, context)
         self._seen = vertices
         self.over_budget = samples is None
         if samples is None:
@@ -62,7 +62,7 @@ class Follower:
         self.binding = carried(self.binding, after, vertices, shaded)
         return self.binding
 
-    def _advanced(self, vertices: Floats, budget: float, context: Any) -> Any:
+    def advanced(self, vertices: Floats, budget: float, context: Any) -> Any:
         """The tracker's samples; None, and the tracker as it was, if the time is over."""
         alarm = _Alarm(budget, context)
         try:

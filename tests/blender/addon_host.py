@@ -55,7 +55,7 @@ def part(name: str):
 
 def registered(name: str):
     """Class of the extension that is registered under a name, such as DAPPLE_OT_bake."""
-    return next(kind for kind in part("blender")._CLASSES if kind.__name__ == name)
+    return next(kind for kind in part("blender").CLASSES if kind.__name__ == name)
 
 
 def sources() -> Path:

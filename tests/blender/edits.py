@@ -101,7 +101,7 @@ def done(operator):
     """Call an operator; whether it did not refuse because more points are locked than there can
     be, which is for the artist to settle.
     """
-    scenes._activate(scatter())
+    scenes.activate(scatter())
     try:
         status = operator("EXEC_DEFAULT", True)
     except RuntimeError as error:
@@ -123,14 +123,14 @@ def render(_chance):
 
 def classes(chance):
     """Added and removed; there is always one."""
-    scenes._activate(scatter())
+    scenes.activate(scatter())
     action = chance.choice(["ADD", "REMOVE"])
     if action == "ADD" or len(scatter().dapple.classes) > 1:
         assert bpy.ops.dapple.edit_classes(action=action) == {"FINISHED"}
 
 
 def lock(chance):
-    scenes._activate(scatter())
+    scenes.activate(scatter())
     assert bpy.ops.dapple.lock(lock=chance.random() < 0.5, every=True) == {"FINISHED"}
 
 
@@ -140,7 +140,7 @@ def frame(chance):
 
 def bake(chance):
     """And back to points that follow what is changed."""
-    scenes._activate(scatter())
+    scenes.activate(scatter())
     bpy.context.scene.frame_end = 2
     if bpy.ops.dapple.bake.poll() and done(bpy.ops.dapple.bake):
         frame(chance)
@@ -149,7 +149,7 @@ def bake(chance):
 
 def paint(chance):
     """A stroke in the mode that artists paint in."""
-    scenes._activate(scatter().dapple.surface)
+    scenes.activate(scatter().dapple.surface)
     bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
     stroke(chance)
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -157,7 +157,7 @@ def paint(chance):
 
 def edit(chance):
     """The surface in Edit Mode, left with other vertices."""
-    scenes._activate(scatter().dapple.surface)
+    scenes.activate(scatter().dapple.surface)
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.transform.resize(value=(1.0, chance.uniform(0.9, 1.1), 1.0))

@@ -38,16 +38,17 @@ def driven():
     """Have scatters follow changes; what the tests call is yielded."""
     watcher = addon_host.part("blender.solve.auto_update")
     watcher.enabled = True
-    watcher.reset()
-    watcher._state.schedule._clock = clock = Clock()
-    pictures, glance = addon_host.part("blender.solve.changes"), 1.0
-    pictures._GLANCE = pictures._RARELY = 0.0  # check at every opportunity
+    clock = Clock()
+    watcher.reset(clock)
+    pictures = addon_host.part("blender.solve.changes")
+    glance, rarely = pictures.GLANCE, pictures.RARELY
+    pictures.GLANCE = pictures.RARELY = 0.0  # check at every opportunity
     try:
         yield Driver(watcher, clock)
     finally:
         watcher.reset()
         watcher.enabled = False
-        pictures._GLANCE, pictures._RARELY = glance, 20.0
+        pictures.GLANCE, pictures.RARELY = glance, rarely
 
 
 def _patient():
@@ -74,27 +75,22 @@ class Driver:
         self.clock.rest()
         for _ in _patient():
             self.look()
-            job = self.watcher._state.job
-            if job is None or job.stepper.progress > 0.0:
+            if not self.watcher.is_solving() or self._has_begun():
                 break
-        return self.watcher._state.job is not None
+        return self.watcher.is_solving()
+
+    def _has_begun(self):
+        return any(self.watcher.progress(obj) for obj in bpy.data.objects)
 
     def settle(self):
         """Until nothing is left to be done; how often something was written."""
-        written = 0
-        done = self.watcher._done
-
-        def counted(job):
-            nonlocal written
-            done(job)
-            written += bool(job.stepper.result)
-
-        self.watcher._done = counted
+        written, follow_up = [], self.watcher.follow_up
+        self.watcher.follow_up = lambda obj: written.append(follow_up(obj))
         try:
             self._until_idle()
         finally:
-            self.watcher._done = done
-        return written
+            self.watcher.follow_up = follow_up
+        return len(written)
 
     def _until_idle(self):
         for _ in _patient():

@@ -13,7 +13,7 @@ _OPERATORS = {"operator", "operator_menu_enum"}
 def shown():
     """All of them."""
     found = set()
-    for kind in _classes():
+    for kind in classes():
         found |= set(_of_class(kind))
     for kind in _tools():
         found |= {("Operator", kind.bl_label), ("*", kind.bl_description)}
@@ -24,9 +24,9 @@ def shown():
     return {(context, message) for context, message in found if any(map(str.isalpha, message))}
 
 
-def _classes():
+def classes():
     return [
-        *addon_host.part("blender")._CLASSES,
+        *addon_host.part("blender").CLASSES,
         *addon_host.part("blender.settings.properties").CLASSES,
     ]
 

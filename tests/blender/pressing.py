@@ -4,7 +4,7 @@
 import time
 from contextlib import contextmanager
 from functools import partial
-from types import SimpleNamespace
+from types import FunctionType, SimpleNamespace
 
 import addon_host
 import bpy
@@ -12,23 +12,28 @@ import bpy
 _PATIENCE = 120.0  # most seconds for a piece of work
 
 
+def own_methods(kind):
+    """Names of the methods of an operator that are written in Python."""
+    return [name for name in dir(kind) if isinstance(getattr(kind, name), FunctionType)]
+
+
 @contextmanager
 def windowed():
     """Have buttons leave their work to the timer; what the tests call is yielded."""
-    under_way = addon_host.part("blender.base.jobs")
-    under_way.at_once = False
+    jobs = addon_host.part("blender.base.jobs")
+    jobs.at_once = False
     try:
-        yield Pressing(under_way)
+        yield Pressing(addon_host.part("blender.base.operator_jobs"))
     finally:
         addon_host.part("blender.base.handlers").publish("before_load")
-        under_way.at_once = True
+        jobs.at_once = True
 
 
 class Pressing:
     """The artist, and the timer."""
 
-    def __init__(self, under_way):
-        self.under_way = under_way
+    def __init__(self, jobs):
+        self.jobs = jobs
         self.reported = []
 
     def press(self, name, **properties):
@@ -37,35 +42,25 @@ class Pressing:
         given = SimpleNamespace(is_property_set=properties.__contains__)
         button = SimpleNamespace(bl_label=kind.bl_label, properties=given, **properties)
         button.report = lambda kinds, text: self.reported.append((*kinds, text))
-        for method in (
-            "steps",
-            "about",
-            "watched",
-            "written",
-            "execute",
-            "given",
-            "_work",
-            "_begin",
-        ):
-            if hasattr(kind, method):
-                setattr(button, method, partial(getattr(kind, method), button))
+        for method in own_methods(kind):
+            setattr(button, method, partial(getattr(kind, method), button))
         button.done = kind.done
         job = addon_host.part("blender.base.step_operators")
         return job.StepsOperator.invoke(button, bpy.context, None)
 
     @property
     def work(self):
-        return self.under_way.current()
+        return self.jobs.current()
 
     def until(self, done):
         """Let the timer look until done() says so, or nothing goes on any more."""
         end = time.monotonic() + _PATIENCE
         while self.work is not None and not done():
             assert time.monotonic() < end, "the work does not come to its end"
-            self.under_way.tick()
+            self.jobs.tick()
 
     def finish(self):
         self.until(lambda: False)
 
     def said(self, obj):
-        return self.under_way.notes(obj)
+        return self.jobs.notes(obj)

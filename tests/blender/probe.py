@@ -29,9 +29,9 @@ class ProbeEngine(bpy.types.RenderEngine):
                 "surface": ProbeEngine.read(surface, depsgraph) if ProbeEngine.read else None,
             },
         )
-        self._empty_picture(depsgraph.scene)
+        self.empty_picture(depsgraph.scene)
 
-    def _empty_picture(self, scene):
+    def empty_picture(self, scene):
         result = self.begin_result(0, 0, scene.render.resolution_x, scene.render.resolution_y)
         pixels = np.zeros((scene.render.resolution_x * scene.render.resolution_y, 4), np.float32)
         result.layers[0].passes["Combined"].rect = pixels

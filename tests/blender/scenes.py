@@ -21,13 +21,13 @@ def tail(levels=1, render_levels=1, frames=6):
     rig = _rig()
     obj = _tube()
     obj.modifiers.new("Armature", "ARMATURE").object = rig
-    _weigh(obj)
+    weigh(obj)
     subdivision = obj.modifiers.new("Subdivision", "SUBSURF")
     subdivision.levels, subdivision.render_levels = levels, render_levels
     _animate(rig.pose.bones["tip"], frames)
     bpy.context.scene.frame_end = frames
     bpy.context.scene.frame_set(1)
-    _activate(obj)
+    activate(obj)
     return obj
 
 
@@ -49,7 +49,7 @@ def _tube(sides=12, rings=9, length=4.0):
 
 def _rig():
     rig = _link(bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig")))
-    _activate(rig)
+    activate(rig)
     bpy.ops.object.mode_set(mode="EDIT")
     root = rig.data.edit_bones.new("root")
     root.head, root.tail = (0, 0, 0), (0, 0, 2)
@@ -59,7 +59,7 @@ def _rig():
     return rig
 
 
-def _weigh(obj):
+def weigh(obj):
     root, tip = obj.vertex_groups.new(name="root"), obj.vertex_groups.new(name="tip")
     for vertex in obj.data.vertices:
         share = min(max((vertex.co.z - 1.0) / 2.0, 0.0), 1.0)
@@ -80,7 +80,7 @@ def _link(obj):
     return obj
 
 
-def _activate(obj):
+def activate(obj):
     for other in bpy.context.selected_objects:
         other.select_set(False)
     obj.select_set(True)
@@ -89,7 +89,7 @@ def _activate(obj):
 
 def scattered(surface, count=60):
     """Scatter object on a surface, made by its operator."""
-    _activate(surface)
+    activate(surface)
     assert bpy.ops.dapple.add(count=count) == {"FINISHED"}
     return bpy.context.object
 

@@ -71,7 +71,7 @@ def to_be_at_rest():
 def tiled():
     obj = scattered()
     assert bpy.ops.dapple.tile() == {"FINISHED"}
-    scenes._activate(obj)
+    scenes.activate(obj)
     obj.dapple.count = 30
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return obj
@@ -99,7 +99,7 @@ def joined():
     obj = bpy.context.object
     more = scenes.sphere(location=(6.0, 0.0, 0.0))
     bpy.data.collections["Parts"].objects.link(more)
-    scenes._activate(obj)
+    scenes.activate(obj)
     return obj
 
 
@@ -117,7 +117,7 @@ def asset():
     assert bpy.ops.dapple.mark_asset() == {"FINISHED"}
     made = bpy.data.objects[f"{obj.name} Asset"]
     bpy.context.scene.collection.objects.link(made)
-    scenes._activate(made)
+    scenes.activate(made)
     return made
 
 
@@ -186,11 +186,11 @@ CASES = [
     ("mark_asset", {}, scattered, "blender.assets.operators.marked"),
     ("mark_asset", {}, baked, "blender.assets.marking.keep_together"),
     ("place", {"surface": "Sphere"}, asset, "blender.solve.optimize.write_solved"),
-    ("place", {"surface": "Sphere"}, asset, "blender.assets.placing._fit_classes"),
-    ("bake", {}, scattered, "blender.bake.steps._write_known"),
-    ("bake", {}, baked, "blender.bake.steps._write_known"),
+    ("place", {"surface": "Sphere"}, asset, "blender.assets.placing.fit_classes"),
+    ("bake", {}, scattered, "blender.bake.steps.write_known"),
+    ("bake", {}, baked, "blender.bake.steps.write_known"),
     ("bake", {}, born, "blender.bake.steps.write_baked"),
-    ("bake", {}, joined, "blender.bake.steps._write_known"),
+    ("bake", {}, joined, "blender.bake.steps.write_known"),
     ("clear_bake", {}, baked, "blender.bake.operators.clear_keys"),
     ("clear_bake", {}, born, "blender.bake.operators.clear_keys"),
     ("discard_bake", {}, baked, "blender.freshness.findings.touch"),
@@ -419,10 +419,10 @@ def test_scales_and_places_that_cannot_be(case, made, spoil, tmp_path):
         works(name, obj, count)
     finally:
         addon_host.part("blender.density.overlay").stop()
-        previews = addon_host.part("blender.display.preview")._state.previews
-        if previews:
+        preview = addon_host.part("blender.display.preview")
+        if preview.is_on(bpy.context.object):
             bpy.ops.dapple.preview()
-            assert not previews
+            assert not preview.is_on(bpy.context.object)
 
 
 def works(name, obj, count):
@@ -446,7 +446,7 @@ def test_add_on_scales_and_places_that_cannot_be(change):
     surface = scenes.sphere()
     change(surface)
     bpy.context.view_layer.update()
-    scenes._activate(surface)
+    scenes.activate(surface)
     before = whole_file.everything()
     try:
         assert bpy.ops.dapple.add(count=40) == {"FINISHED"}

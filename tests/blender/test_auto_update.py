@@ -75,7 +75,7 @@ def test_nothing_is_read_before_the_changes_rest(live, obj):
         obj.dapple.count = count
         live.clock.now += 0.5 * addon_host.part("core.base.schedule").PAUSE
         live.look()
-        assert live.watcher._state.job is None
+        assert not live.watcher.is_solving()
         assert live.watcher.progress(obj) == 0.0
     followed(live, obj)
     assert obj.dapple.report.count == 69
@@ -99,10 +99,10 @@ def test_no_pause_follows_a_stroke_or_a_move_that_has_ended(live, obj, held, mon
         group.add(range(first, first + 20), 0.0, "REPLACE")
         obj.dapple.surface.data.update()
         assert live.look() < 0.05
-        assert live.watcher._state.job is None
+        assert not live.watcher.is_solving()
     monkeypatch.undo()
     live.look()
-    assert live.watcher._state.job is not None
+    assert live.watcher.is_solving()
     followed(live, obj)
 
 
@@ -112,12 +112,12 @@ def test_no_pause_follows_an_operator_that_has_ended(live, obj, monkeypatch):
     obj.dapple.surface.data.update()
     monkeypatch.setattr(addon_host.part("blender.solve.changes"), "last_operator", lambda: 7)
     live.look()
-    assert live.watcher._state.job is not None
+    assert live.watcher.is_solving()
     followed(live, obj)
     for count in (61, 62):  # a dragged value comes without an operator
         obj.dapple.count = count
         live.look()
-        assert live.watcher._state.job is None
+        assert not live.watcher.is_solving()
     followed(live, obj)
 
 
@@ -211,7 +211,7 @@ def test_a_change_meanwhile_begins_again_and_the_old_points_stay(live, obj):
     assert live.watcher.progress(obj) is not None
     assert np.array_equal(scenes.positions(obj), before)
     short(obj)
-    assert live.watcher._state.job is None
+    assert not live.watcher.is_solving()
     followed(live, obj)
     assert len(scenes.positions(obj)) == 80
 
@@ -264,7 +264,7 @@ def edited(obj):
 
 
 def in_edit_mode(obj):
-    scenes._activate(obj)
+    scenes.activate(obj)
     bpy.ops.object.mode_set(mode="EDIT")
 
 
@@ -339,7 +339,7 @@ def test_a_render_and_an_operator_take_its_place_and_it_goes_on_afterward(
             monkeypatch.setattr(live.watcher, name, lambda: True)
         live.look()
         monkeypatch.undo()
-    assert live.watcher._state.job is None
+    assert not live.watcher.is_solving()
     assert len(obj.data.vertices) == 60
     followed(live, obj)
 
@@ -363,7 +363,7 @@ def test_in_background_mode_nothing_follows(obj):
     watcher = addon_host.part("blender.solve.auto_update")
     assert not watcher.is_active()
     assert watcher.tick() is None
-    assert not watcher._state.changes.any_noted()
+    assert not watcher.has_noted()
 
 
 def test_scatters_that_avoid_each_other_come_to_rest(live):
@@ -397,7 +397,7 @@ def test_unlocking_is_followed_where_more_points_were_locked_than_there_shall_be
     live, obj, reloaded, tmp_path
 ):
     live.settle()
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
     assert live.settle() == 0
     obj.dapple.count = 40
@@ -408,7 +408,7 @@ def test_unlocking_is_followed_where_more_points_were_locked_than_there_shall_be
         bpy.ops.wm.save_as_mainfile(filepath=path)
         bpy.ops.wm.open_mainfile(filepath=path)
         obj = bpy.data.objects["Sphere Scatter"]
-        scenes._activate(obj)
+        scenes.activate(obj)
     assert bpy.ops.dapple.lock(lock=False, every=True) == {"FINISHED"}
     followed(live, obj)
     assert not live.watcher.trouble(obj)

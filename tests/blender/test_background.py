@@ -53,7 +53,7 @@ def test_it_does_not_wait_for_a_pause_and_the_old_points_stay(live, obj):
     long(obj)
     live.watcher.ask(obj)
     live.look()
-    assert live.watcher._state.job.wish
+    assert live.watcher.is_asked(obj)
     assert np.array_equal(scenes.positions(obj), before)
 
 
@@ -62,11 +62,9 @@ def test_the_next_one_takes_the_place_of_the_one_before(live, obj):
     long(obj)
     live.watcher.ask(obj)
     assert live.begin()
-    first = live.watcher._state.job
     short(obj)
     live.watcher.ask(obj)
     assert live.settle() == 1
-    assert live.watcher._state.job is not first
     assert len(scenes.positions(obj)) == 80
 
 
@@ -78,10 +76,9 @@ def test_a_change_meanwhile_begins_again_and_nothing_else_does(live, obj):
     obj.location.x = 1.0
     obj.dapple.scale = 2.0
     assert live.begin()
-    job = live.watcher._state.job
-    assert job is not None
+    assert live.watcher.is_solving()
     short(obj)
-    assert live.watcher._state.job is None
+    assert not live.watcher.is_solving()
     assert live.watcher.is_asked(obj)
     assert live.settle() == 1
     assert len(scenes.positions(obj)) == 80
@@ -107,7 +104,7 @@ def moved(obj):
 
 
 def in_edit_mode(obj):
-    scenes._activate(obj)
+    scenes.activate(obj)
     bpy.ops.object.mode_set(mode="EDIT")
 
 
@@ -139,7 +136,7 @@ def test_points_that_are_locked_meanwhile_stay(live, obj):
     short(obj, 20_000)
     live.watcher.ask(obj)
     assert live.begin()
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
     assert live.settle() == 1
     assert obj.dapple.locked_count == 60
@@ -169,7 +166,7 @@ def test_a_scatter_or_file_that_is_gone_is_forgotten(live, obj, begun):
         assert live.begin()
     bpy.data.objects.remove(obj)
     assert live.settle() == 0
-    assert not live.watcher._state.asked
+    assert not live.watcher.is_active()
 
 
 def test_another_file_is_left_alone(live, obj):
@@ -178,7 +175,7 @@ def test_another_file_is_left_alone(live, obj):
     assert live.begin()
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
     assert not live.watcher.is_active()
-    assert not live.watcher._state.asked
+    assert not live.watcher.is_active()
 
 
 def test_it_waits_while_an_object_is_moved(live, obj, monkeypatch):
@@ -199,7 +196,7 @@ def test_a_script_takes_its_place(live, obj):
     live.watcher.ask(obj)
     assert live.begin()
     short(obj)
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert live.settle() == 0
     assert not live.watcher.is_asked(obj)
@@ -242,7 +239,7 @@ def test_in_edit_mode_of_another_mesh_there_is_no_step(live, obj, monkeypatch):
     live.settle()
     short(obj)
     live.watcher.ask(obj)
-    scenes._activate(scenes.sphere(location=(9.0, 0.0, 0.0)))
+    scenes.activate(scenes.sphere(location=(9.0, 0.0, 0.0)))
     bpy.ops.object.mode_set(mode="EDIT")
     pushing = SimpleNamespace(undo_push=lambda message: pushed.append(message))
     ops = SimpleNamespace(ed=pushing)  # bpy.ops creates its submodules anew each time

@@ -486,7 +486,7 @@ def test_fitted_instances_just_touch_on_every_frame(population):
     ball = scenes.sphere(location=(9.0, 9.0, 9.0))
     obj.dapple.instance, obj.dapple.fit = ball, 1.0
     obj.dapple.count_over_time = population
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame in range(1, FRAMES + 1):
         at(frame)

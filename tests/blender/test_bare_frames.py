@@ -306,7 +306,7 @@ def test_what_moves_is_noted_where_there_are_faces():
     for frame, x in ((1, 1.0), (10, 1.5)):
         stone.location.x = x
         stone.keyframe_insert("location", frame=frame)
-    scenes._activate(obj)
+    scenes.activate(obj)
     obj.dapple.density.obstacles = stones
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame in range(1, 11):
@@ -364,7 +364,7 @@ def test_a_stopped_bake_goes_on_where_faces_are_cut():
     stone = scenes.sphere(location=(1.0, 0.0, 0.0), scale=(0.2, 0.2, 0.2))
     stones.objects.link(stone)
     obj.dapple.density.obstacles = stones
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     files = addon_host.part("blender.freshness.unfinished_bakes").work_files(obj)
     assert bpy.ops.dapple.bake() == {"FINISHED"}

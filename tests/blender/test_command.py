@@ -62,7 +62,7 @@ def test_bake_saves_what_the_operator_bakes(path, tmp_path, capfd):
     stepped = packed(opened(path)["Scales"])
     assert not work_files(path)
     assert not list(tmp_path.glob("*.part*")), "a part was left"
-    scenes._activate(bpy.data.objects["Scales"])
+    scenes.activate(bpy.data.objects["Scales"])
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert packed(bpy.data.objects["Scales"]) == stepped
     report = read(tmp_path / "report.json")
@@ -277,7 +277,7 @@ def test_a_file_that_cannot_be_saved_stays(path, capfd, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(whole, "_sync", full)
+    monkeypatch.setattr(whole, "sync", full)
     monkeypatch.setattr(
         addon_host.part("core.bake.sidecar").Sidecar, "store", lambda *_, **__: None
     )
@@ -355,14 +355,14 @@ import addon_host
 addon_host.add_repository(Path(arguments[1]))
 addon_host.enable()
 whole = addon_host.part("core.base.atomic_file")
-sync = whole._sync
+sync = whole.sync
 
 def killed(path, flags):
     if path.suffix == ".blend":
         os.kill(os.getpid(), 9)
     sync(path, flags)
 
-whole._sync = killed
+whole.sync = killed
 bpy.ops.wm.open_mainfile(filepath=arguments[0])
 addon_host.part("blender.command.entry").main(["bake"])
 """
@@ -451,7 +451,7 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch, blender):
 def test_every_option_is_told():
     page = (DOCS / "farm.md").read_text()
     arguments = addon_host.part("blender.command.arguments")
-    parser = arguments._parser()
+    parser = arguments.parser()
     (verbs,) = parser._subparsers._group_actions
     for name, verb in verbs.choices.items():
         assert f"| `{name}" in page
@@ -461,9 +461,9 @@ def test_every_option_is_told():
 
 
 def test_the_command_comes_and_goes_with_the_addon(addon):
-    state = addon_host.part("blender.command.entry")._state
-    assert state.handle is not None
+    entry = addon_host.part("blender.command.entry")
+    assert entry.is_registered()
     addon.unregister()
-    assert state.handle is None
+    assert not entry.is_registered()
     addon.register()
-    assert state.handle is not None
+    assert entry.is_registered()

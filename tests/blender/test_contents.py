@@ -139,7 +139,7 @@ def sculpted():
 
 def scaled_at_rest_with_other_levels():
     surface = scenes.tail(levels=1, render_levels=2)
-    scenes._activate(surface)
+    scenes.activate(surface)
     assert bpy.ops.dapple.add(count=60) == {"FINISHED"}
     yield bpy.context.object
     surface.modifiers["Subdivision"].levels = 2
@@ -178,7 +178,7 @@ def no_geometry():
 
 def no_faces_at_rest():
     surface = scenes.sphere()
-    scenes._activate(surface)
+    scenes.activate(surface)
     assert bpy.ops.dapple.add(count=60, bind_to="REST") == {"FINISHED"}
     yield bpy.context.object
     surface.data.clear_geometry()
@@ -187,7 +187,7 @@ def no_faces_at_rest():
 
 def rest_position_off():
     surface = scenes.sphere()
-    scenes._activate(surface)
+    scenes.activate(surface)
     assert bpy.ops.dapple.add(count=60, bind_to="REST") == {"FINISHED"}
     yield bpy.context.object
     surface.add_rest_position_attribute = False
@@ -285,7 +285,7 @@ def test_solving_again_makes_it_fit(change, operator):
     before = scenes.positions(obj)
     next(steps)
     bpy.context.view_layer.update()
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert getattr(bpy.ops.dapple, operator)() == {"FINISHED"}
     assert reason(obj) == note(obj) == ""
     assert np.abs(scenes.positions(obj) - before).max() > 1e-3

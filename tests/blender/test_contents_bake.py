@@ -49,14 +49,14 @@ def test_a_bake_takes_the_settings_that_are_shown(name, value):
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert reason(obj) == ""
     expected = scenes.positions(obj)
-    scenes._activate(surface)
+    scenes.activate(surface)
     other = scenes.scattered(surface)
     setattr(other.dapple, name, value)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert len(expected) == len(scenes.positions(other)) == (40 if name == "count" else 60)
     assert (scenes.positions(other) == expected).all()
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
     assert reason(obj) == ""
     assert len(scenes.positions(obj)) == len(expected)

@@ -57,7 +57,7 @@ def test_a_scene_that_is_moved_as_a_whole_fits(scale):
 def test_a_scale_that_is_applied_fits():
     surface = scenes.sphere(scale=(1.0, 2.0, 0.5), rotation=(0.3, 0.4, 0.5))
     obj = solved(surface)
-    scenes._activate(surface)
+    scenes.activate(surface)
     assert bpy.ops.object.transform_apply(location=False, rotation=False) == {"FINISHED"}
     assert reason(obj) == note(obj) == ""
     bpy.ops.object.origin_set(type="GEOMETRY_ORIGIN", center="BOUNDS")
@@ -73,7 +73,7 @@ def test_another_scatter_to_avoid_is_solved_again():
     obj = solved(surface, obstacles=collection, obstacle_margin=0.1)
     other.dapple.seed = 5
     assert reason(obj) == ""
-    scenes._activate(other)
+    scenes.activate(other)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert reason(obj) == "Avoided objects were moved or changed: optimize again"
 

@@ -42,7 +42,7 @@ def played(obj):
 
 
 def select(obj):
-    scenes._activate(obj)
+    scenes.activate(obj)
     return obj.dapple
 
 
@@ -155,7 +155,7 @@ def test_each_copy_has_tiles_of_its_own():
 def test_tiles_that_were_deleted_are_made_anew_where_they_are_seen():
     obj = scenes.scattered(scenes.sphere())
     assert bpy.ops.dapple.tile() == {"FINISHED"}
-    scenes._activate(obj.dapple.tiles.object)
+    scenes.activate(obj.dapple.tiles.object)
     assert bpy.ops.object.delete() == {"FINISHED"}
     select(obj)
     assert bpy.ops.dapple.tile() == {"FINISHED"}

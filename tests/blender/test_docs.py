@@ -52,7 +52,7 @@ def test_the_script_for_assets_runs(tmp_path, monkeypatch):
 def test_the_script_for_exports_runs(tmp_path):
     trees = scenes.scattered(scenes.sphere(), count=20)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "trees.blend"))
-    scenes._activate(trees)
+    scenes.activate(trees)
     (script,) = re.findall(r"```python\n(.*?)```", (DOCS / "export.md").read_text(), re.DOTALL)
     suffix = ".usdc" if bpy.app.build_options.usd else ".csv"
     exec(script.replace(".usdc", suffix), {"bpy": bpy})

@@ -315,14 +315,14 @@ def test_what_cannot_be_exported_is_said(tmp_path, trees):
 
 def test_without_usd_it_is_said_what_to_do(tmp_path, trees, monkeypatch):
     monkeypatch.setitem(sys.modules, "pxr", None)
-    monkeypatch.setattr(part("prototypes"), "_has_pxr", lambda: False)
+    monkeypatch.setattr(part("prototypes"), "has_pxr", lambda: False)
     with pytest.raises(addon_host.part("core.base.errors").ScatterError, match="built without USD"):
         part("points").export_points(tmp_path / "trees.usd", [trees])
 
 
 @pytest.mark.usefixtures("needs_gltf")
 def test_the_operator_exports_what_is_selected(tmp_path, trees):
-    scenes._activate(trees)
+    scenes.activate(trees)
     path = tmp_path / "trees.csv"
     assert bpy.ops.dapple.export(filepath=str(path), animation=True) == {"FINISHED"}
     assert len(path.read_text().splitlines()) == 1 + 4 * 60
@@ -331,7 +331,7 @@ def test_the_operator_exports_what_is_selected(tmp_path, trees):
     }
     with pytest.raises(RuntimeError, match="has no ending that is known"):
         bpy.ops.dapple.export(filepath=str(tmp_path / "trees.xyz"))
-    scenes._activate(trees.dapple.surface)
+    scenes.activate(trees.dapple.surface)
     assert not bpy.ops.dapple.export.poll()
 
 

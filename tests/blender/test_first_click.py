@@ -55,7 +55,7 @@ def body(frames=4, modifier=None):
         bulge.value = value
         bulge.keyframe_insert("value", frame=frame)
     bpy.context.scene.frame_set(1)
-    scenes._activate(surface)
+    scenes.activate(surface)
     return surface
 
 
@@ -123,7 +123,7 @@ def test_things_are_turned_as_they_are_on_faces():
     on_faces.dapple.bind_to = "FACES"
     kinds = []
     for obj in (on_faces, at_rest):
-        scenes._activate(obj)
+        scenes.activate(obj)
         surface.modifiers["Subdivision"].render_levels = 1 if obj == on_faces else 2
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         kinds.append(obj.dapple.bound_to)
@@ -169,7 +169,7 @@ def mirrored(surface):
     assert 0 < len(kept) < len(mesh.polygons)
     mesh.clear_geometry()
     mesh.from_pydata(verts.tolist(), [], kept)
-    scenes._weigh(surface)
+    scenes.weigh(surface)
     surface.modifiers.new("Mirror", "MIRROR")
     surface.modifiers.move(1, 0)
 

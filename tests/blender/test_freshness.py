@@ -24,7 +24,7 @@ def waiting(monkeypatch):
     freshness, reads = part(), Counter()
     monkeypatch.setattr(freshness, "at_once", False)
     monkeypatch.setattr(freshness, "is_shown", lambda obj: obj == bpy.context.object)
-    for name in ("_PAUSE", "_PATIENCE", "_RARELY", "_GLANCE"):
+    for name in ("PAUSE", "PATIENCE", "RARELY", "GLANCE"):
         monkeypatch.setattr(freshness, name, 0.0)
     counted = {
         "blender.freshness.scene_snapshot": (
@@ -231,14 +231,14 @@ def test_a_scatter_that_is_gone_or_not_shown_is_forgotten(waiting):
     drawn()
     bpy.data.objects.remove(obj)
     looked(waiting)
-    assert not part()._state.asked
+    assert not part().is_watching()
     other = scenes.scattered(scenes.sphere())
     drawn()
     looked(waiting)
-    scenes._activate(other.dapple.surface)
+    scenes.activate(other.dapple.surface)
     other.dapple.seed = 3
     assert not looked(waiting)
-    assert not part()._state.asked
+    assert not part().is_watching()
 
 
 def test_without_a_panel_nothing_is_noted(waiting):
@@ -246,7 +246,7 @@ def test_without_a_panel_nothing_is_noted(waiting):
     obj.dapple.seed = 3
     obj.dapple.surface.location.x = 3.0
     assert not looked(waiting)
-    assert not part()._state.asked
+    assert not part().is_watching()
 
 
 def test_a_look_that_fails_leaves_no_answer(waiting, monkeypatch):

@@ -243,7 +243,7 @@ def opened(path, change):
     obj = next(one for one in bpy.data.objects if one.name.endswith("Scatter"))
     change(obj)
     bpy.context.view_layer.update()
-    scenes._activate(obj)
+    scenes.activate(obj)
     return obj
 
 
@@ -309,7 +309,7 @@ def keep_off(obj):
         other.dapple.density.obstacles = things
         bpy.ops.dapple.optimize()
     finally:
-        scenes._activate(obj)
+        scenes.activate(obj)
 
 
 def select_overlap(obj):

@@ -143,7 +143,7 @@ def test_optimize_starts_anew_from_the_seed(live, obj):
 def test_without_a_memory_or_the_setting_the_points_fit_too(live, obj, forget):
     ids = stored(obj).keys()
     if forget == "session":
-        addon_host.part("blender.solve.session_solutions")._known.clear()
+        addon_host.part("blender.solve.session_solutions").SUBSCRIBER.before_load()
     else:
         obj.dapple.keep_points = False
     stroke(obj.dapple.surface, (0.0, 0.0, 1.0), 0.4, 0.0)

@@ -144,7 +144,7 @@ def test_the_rows_of_a_bake_are_held_once(keys):
             item = placed(keys, arrays, [0, 3] * (count // 2), (0.2, 0.3, 0.5))
             lean = np.full((count, 3), 0.5)
             found.add(replace(item, gone=np.zeros(count), lean=lean), arrays, arrays, 1.0)
-        found._last = None
+        found.last = None
         del item, lean
         packed = found.packed()
         held, _ = tracemalloc.get_traced_memory()

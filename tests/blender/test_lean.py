@@ -41,7 +41,7 @@ def test_rotation_vectors_come_back():
     vectors *= (np.linspace(0, 3.1, 200) / np.linalg.norm(vectors, axis=1))[:, None]
     matrices = lean.rotations(vectors)
     np.testing.assert_allclose(np.linalg.det(matrices), 1)
-    np.testing.assert_allclose(lean._rotation_vectors(matrices), vectors, atol=1e-7)
+    np.testing.assert_allclose(lean.rotation_vectors(matrices), vectors, atol=1e-7)
 
 
 def test_half_a_turn_is_not_taken_for_none():
@@ -49,7 +49,7 @@ def test_half_a_turn_is_not_taken_for_none():
     vectors = math.pi * np.array(
         [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.6, 0, 0.8], [0.36, 0.48, 0.8]]
     )
-    found = lean._rotation_vectors(lean.rotations(vectors))
+    found = lean.rotation_vectors(lean.rotations(vectors))
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), math.pi)
     np.testing.assert_allclose(lean.rotations(found), lean.rotations(vectors), atol=1e-12)
 

@@ -22,9 +22,9 @@ def picture(legend, *words):
 
 def of_the_ramp(found, legend):
     """Rows and columns of pixels that it covers, at its lower left, above the words of its ends."""
-    left, bottom = legend._EDGE, legend._EDGE + legend._LETTER + legend._GAP
-    rows = slice(int(bottom) + 1, int(bottom + legend._HEIGHT) - 1)
-    return found[rows, int(left) : int(left + legend._WIDTH)]
+    left, bottom = legend.EDGE, legend.EDGE + legend.LETTER + legend.GAP
+    rows = slice(int(bottom) + 1, int(bottom + legend.HEIGHT) - 1)
+    return found[rows, int(left) : int(left + legend.WIDTH)]
 
 
 def test_the_ramp_goes_from_the_color_of_nothing_to_that_of_the_most(legend):
@@ -43,8 +43,8 @@ def test_words_stand_at_its_ends_and_above(legend):
     title, low, high = (
         rows_and_columns(*words) for words in (("X", "", ""), ("", "X", ""), ("", "", "X"))
     )
-    left, right = legend._EDGE, legend._EDGE + legend._WIDTH
-    above = legend._EDGE + legend._LETTER + legend._GAP + legend._HEIGHT
+    left, right = legend.EDGE, legend.EDGE + legend.WIDTH
+    above = legend.EDGE + legend.LETTER + legend.GAP + legend.HEIGHT
     assert left - 2 <= title[1].min()
     assert title[0].min() >= above
     assert left - 2 <= low[1].min()
@@ -57,4 +57,4 @@ def test_words_stand_at_its_ends_and_above(legend):
 
 def test_a_legend_of_words_wider_than_the_ramp_begins_at_its_left(legend):
     lit = picture(legend, "", "", "X" * 60)[..., :3].min(axis=2) > 0.5
-    assert legend._EDGE - 2 <= np.nonzero(lit)[1].min() < legend._EDGE + 10
+    assert legend.EDGE - 2 <= np.nonzero(lit)[1].min() < legend.EDGE + 10

@@ -39,7 +39,7 @@ def cube(collection="Avoided", size=0.8):
 
 
 def scatter_on(surface, count=COUNT, **density):
-    scenes._activate(surface)
+    scenes.activate(surface)
     obj = scenes.scattered(surface, count)
     for name, value in density.items():
         setattr(obj.dapple.density, name, value)

@@ -220,8 +220,9 @@ class Window:
 
     def press(self, kind, **properties):
         operator = SimpleNamespace(**properties)
-        for name in ("_action", "bl_label"):
-            setattr(operator, name, getattr(kind, name, ""))
+        for name in dir(kind):
+            if isinstance(getattr(kind, name), str) and not name.startswith("__"):
+                setattr(operator, name, getattr(kind, name))
         operator.execute = lambda context: kind.work(operator, context)
         manager = SimpleNamespace(invoke_confirm=self._confirm)
         context = SimpleNamespace(object=bpy.context.object, window_manager=manager)

@@ -12,8 +12,10 @@ import windowed
 
 
 @pytest.fixture
-def overlay():
-    return addon_host.part("blender.density.overlay")
+def overlay(monkeypatch):
+    module = addon_host.part("blender.density.overlay")
+    monkeypatch.setattr(module, "PAUSE", 0.0)
+    return module
 
 
 def sloped(**density):
@@ -25,8 +27,6 @@ def sloped(**density):
 
 def wait(overlay):
     """The timer, after nothing has changed for a while."""
-    if overlay._shown.changed:
-        overlay._shown.changed -= 1.0
     return overlay.tick()
 
 
@@ -91,7 +91,7 @@ def test_a_scatter_that_is_deleted_and_a_new_file_end_it(overlay):
     obj = sloped()
     bpy.ops.dapple.show_density()
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
-    assert overlay._shown.scatter is None
+    assert not overlay.is_on(obj)
 
 
 def looked(overlay):
@@ -161,7 +161,7 @@ def test_colors_follow_the_camera(overlay, change):
     camera = seen_by_a_camera()
     camera.data.lens = 80.0
     obj = sloped(use_camera=True, camera_margin=0.0)
-    scenes._activate(obj)
+    scenes.activate(obj)
     bpy.ops.dapple.show_density()
     before = overlay.triangles()
     change(camera)
@@ -173,7 +173,7 @@ def test_colors_follow_the_camera(overlay, change):
 def test_colors_follow_a_frame_of_a_moving_surface_and_another_surface(overlay):
     obj = scenes.scattered(scenes.tail(), count=40)
     other = scenes.sphere(location=(5.0, 0.0, 0.0))
-    scenes._activate(obj)
+    scenes.activate(obj)
     bpy.ops.dapple.show_density()
     before, _ = overlay.triangles()
     bpy.context.scene.frame_set(6)
@@ -186,10 +186,10 @@ def test_colors_follow_a_frame_of_a_moving_surface_and_another_surface(overlay):
 def test_nothing_is_computed_while_nothing_changes(overlay, monkeypatch):
     seen_by_a_camera()
     obj = sloped(use_camera=True)
-    scenes._activate(obj)
+    scenes.activate(obj)
     bpy.ops.dapple.show_density()
     looked(overlay)
-    monkeypatch.setattr(overlay, "_begin", lambda: pytest.fail("it was computed"))
+    monkeypatch.setattr(overlay, "computed", lambda *_: pytest.fail("it was computed"))
     for _ in range(3):
         wait(overlay)
 
@@ -200,7 +200,7 @@ def test_colors_are_computed_by_a_worker_and_the_last_ones_are_shown_until_then(
     obj = sloped(use_height=True)
     bpy.ops.dapple.show_density()
     before, colors = overlay.triangles()
-    monkeypatch.setattr(overlay, "bpy", windowed.Windowed())
+    monkeypatch.setattr(addon_host.part("blender.base.jobs"), "at_once", False)
     event, threads = windowed.held_back(monkeypatch, overlay, "computed")
     obj.dapple.density.height_from = 0.5
     windowed.until(lambda: threads, lambda: wait(overlay))
@@ -208,14 +208,14 @@ def test_colors_are_computed_by_a_worker_and_the_last_ones_are_shown_until_then(
         wait(overlay)
         assert overlay.triangles()[0] is before
     event.set()
-    windowed.until(lambda: overlay._shown.job is None, lambda: wait(overlay))
+    windowed.until(lambda: not overlay.is_computing(), lambda: wait(overlay))
     assert not np.array_equal(overlay.triangles()[1], colors)
     assert not {thread.name for thread in threads} & {"MainThread"}
 
 
 def test_what_cannot_be_shown_is_told_by_the_panel_of_a_window(overlay, monkeypatch):
     obj = sloped(attribute="Nowhere")
-    monkeypatch.setattr(overlay, "bpy", windowed.Windowed())
+    monkeypatch.setattr(addon_host.part("blender.base.jobs"), "at_once", False)
     overlay.start(obj)
     assert overlay.note() == "The density is being computed"
     windowed.until(lambda: not overlay.is_on(obj), lambda: wait(overlay))
@@ -225,15 +225,15 @@ def test_what_cannot_be_shown_is_told_by_the_panel_of_a_window(overlay, monkeypa
 def test_nothing_is_computed_while_blender_renders(overlay, monkeypatch):
     obj = sloped(use_height=True)
     bpy.ops.dapple.show_density()
-    ticked, draw = [], probe.ProbeEngine._empty_picture
+    ticked, draw, asked = [], probe.ProbeEngine.empty_picture, overlay.asked_of
 
     def drawn(self, scene):
         overlay.touch(obj)
         wait(overlay)
         draw(self, scene)
 
-    monkeypatch.setattr(overlay, "_begin", lambda: ticked.append(1))
-    monkeypatch.setattr(probe.ProbeEngine, "_empty_picture", drawn)
+    monkeypatch.setattr(overlay, "asked_of", lambda obj: ticked.append(1) or asked(obj))
+    monkeypatch.setattr(probe.ProbeEngine, "empty_picture", drawn)
     with probe.registered():
         probe.render(obj, 1)
     assert not ticked
@@ -245,7 +245,7 @@ def test_a_render_stops_the_worker_and_colors_come_afterward(overlay, monkeypatc
     obj = sloped(use_height=True)
     bpy.ops.dapple.show_density()
     before, _ = overlay.triangles()
-    monkeypatch.setattr(overlay, "bpy", windowed.Windowed())
+    monkeypatch.setattr(addon_host.part("blender.base.jobs"), "at_once", False)
     event, threads = windowed.held_back(monkeypatch, overlay, "computed")
     obj.dapple.density.height_from = 0.5
     windowed.until(lambda: threads, lambda: wait(overlay))
@@ -253,7 +253,7 @@ def test_a_render_stops_the_worker_and_colors_come_afterward(overlay, monkeypatc
         probe.render(obj, 1)
     event.set()
     windowed.until(lambda: len(threads) == 2, lambda: wait(overlay))
-    windowed.until(lambda: overlay._shown.job is None, lambda: wait(overlay))
+    windowed.until(lambda: not overlay.is_computing(), lambda: wait(overlay))
     assert overlay.triangles()[0] is not before
 
 
@@ -266,7 +266,7 @@ def test_colors_are_drawn_where_the_surface_is(overlay):
     density.height_from, density.height_to = 0.05, 1.0
     bpy.ops.dapple.show_density()
     most, none = addon_host.part("core.density.colors").colored(np.array([1.0, 0.0]))
-    found = drawn.picture(overlay._draw, (-2.0, -2.0), (2.0, 2.0), (64, 64))[..., :3]
+    found = drawn.picture(overlay.draw, (-2.0, -2.0), (2.0, 2.0), (64, 64))[..., :3]
     np.testing.assert_allclose(found[32, 44], most[:3] * most[3], atol=0.01)
     np.testing.assert_allclose(found[32, 20], none[:3] * none[3], atol=0.01)
     assert not found[:, 50:].any()

@@ -212,7 +212,7 @@ def test_what_is_deleted_meanwhile_is_missed_by_nobody(obj, gone):
     assert not bpy.ops.dapple.paint_done.poll()
     test_panels.drawn()
     if gone == "surface":
-        scenes._activate(obj)
+        scenes.activate(obj)
         with pytest.raises(RuntimeError, match="has no surface"):
             paint("paint_density")
 
@@ -272,7 +272,7 @@ def faceless(obj, surface):
 
 
 def edited(obj, surface):
-    scenes._activate(surface)
+    scenes.activate(surface)
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.context.view_layer.objects.active = obj
 

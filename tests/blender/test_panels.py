@@ -232,12 +232,14 @@ def test_a_body_with_other_faces_in_the_render_is_told_in_one_sentence():
     assert "Viewport and renders differ" not in shown
 
 
-def test_what_is_said_leaves_room_for_its_cross():
-    obj = scenes.scattered(scenes.sphere())
-    labels, work = addon_host.part("blender.base.labels"), addon_host.part("blender.base.jobs")
-    work._state.notes[obj.session_uid] = [("INFO", "points are attached to what is there " * 9)]
+def test_what_is_said_leaves_room_for_its_cross(monkeypatch):
+    scenes.scattered(scenes.sphere())
+    labels = addon_host.part("blender.base.labels")
+    work = addon_host.part("blender.base.operator_jobs")
+    monkeypatch.setattr(
+        work, "notes", lambda _: [("INFO", "points are attached to what is there " * 9)]
+    )
     shown = drawn()
-    work._state.notes.clear()
     said = shown[: shown.index("dapple.dismiss")]
     assert len(said) > 3
     assert max(map(labels.width_of, said)) <= labels.room("INFO") - labels.BUTTON

@@ -280,7 +280,7 @@ def around_an_obstacle(made):
     stone = scenes.sphere(location=(1.0, 0.0, 0.0), scale=(0.2, 0.2, 0.2))
     stones.objects.link(stone)
     obj.dapple.density.obstacles = stones
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return surface, obj
 

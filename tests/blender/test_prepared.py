@@ -16,7 +16,7 @@ def prepared(monkeypatch):
     module = addon_host.part("blender.base.panel_values")
     monkeypatch.setattr(module, "at_once", False)
     yield module
-    module._notes.clear()
+    module.SUBSCRIBER.disabled()
 
 
 @pytest.fixture
@@ -125,7 +125,7 @@ def test_an_object_that_is_gone_is_forgotten(prepared):
     test_panels.drawn()
     bpy.data.objects.remove(obj)
     prepared.tick()
-    assert {note.held.name for note in prepared._notes.values() if note.held} == {"Sphere"}
+    assert prepared.known_objects() == {"Sphere"}
 
 
 @pytest.mark.parametrize("busy", ["rendering", "solving"])

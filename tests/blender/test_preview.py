@@ -70,9 +70,9 @@ def test_nothing_is_solved_while_nothing_changes(preview, patient, monkeypatch):
     toggled()
     preview.tick()
     seen, follower = [], addon_host.part("core.preview").Follower
-    follow = follower._advanced
+    follow = follower.advanced
     monkeypatch.setattr(
-        follower, "_advanced", lambda self, *rest: seen.append(1) or follow(self, *rest)
+        follower, "advanced", lambda self, *rest: seen.append(1) or follow(self, *rest)
     )
     for _ in range(3):
         preview.tick()
@@ -102,10 +102,12 @@ def test_a_render_shows_the_bake_and_solves_nothing(preview, patient, monkeypatc
         toggled()
         bpy.context.scene.frame_set(6)
         preview.tick()
-        ticked = []
-        monkeypatch.setattr(preview, "_follow", lambda each: ticked.append(each))
+        ticked, follow = [], preview.follow_steps
         monkeypatch.setattr(
-            probe.ProbeEngine, "_empty_picture", _ticking(preview, probe.ProbeEngine)
+            preview, "follow_steps", lambda each: ticked.append(each) or follow(each)
+        )
+        monkeypatch.setattr(
+            probe.ProbeEngine, "empty_picture", _ticking(preview, probe.ProbeEngine)
         )
         assert (probe.render(patient, 6)["positions"] == expected).all()
         assert not ticked
@@ -114,10 +116,10 @@ def test_a_render_shows_the_bake_and_solves_nothing(preview, patient, monkeypatc
 
 
 def _ticking(preview, engine):
-    draw = engine._empty_picture
+    draw = engine.empty_picture
 
     def tick(self, scene):
-        preview._touched()
+        bpy.context.view_layer.update()
         preview.tick()
         draw(self, scene)
 
@@ -144,7 +146,7 @@ def test_a_removed_object_ends_the_preview(preview, patient, gone):
     toggled()
     surface = patient.dapple.surface
     bpy.data.objects.remove(patient if gone == "scatter" else surface)
-    preview._touched()
+    bpy.context.view_layer.update()
     preview.tick()
     assert preview.tick() is None
     assert not [item for item in bpy.data.objects if item.name.endswith("Preview")]
@@ -190,7 +192,7 @@ def test_a_stale_scatter_is_not_previewed(patient):
 def test_points_are_found_by_a_worker_and_ride_until_then(preview, patient, monkeypatch):
     expected = riding(patient, 8)
     bpy.context.scene.frame_set(1)
-    monkeypatch.setattr(preview, "bpy", windowed.Windowed())
+    monkeypatch.setattr(addon_host.part("blender.base.jobs"), "at_once", False)
     follower = addon_host.part("core.preview").Follower
     steps = addon_host.part("blender.display.preview_steps")
     made, makers = windowed.held_back(monkeypatch, steps, "Follower")
@@ -198,7 +200,7 @@ def test_points_are_found_by_a_worker_and_ride_until_then(preview, patient, monk
     windowed.until(lambda: makers, preview.tick)
     assert preview.note(patient) == "The preview is being prepared"
     made.set()
-    held, finders = windowed.held_back(monkeypatch, follower, "_advanced")
+    held, finders = windowed.held_back(monkeypatch, follower, "advanced")
     bpy.context.scene.frame_set(8)
     windowed.until(lambda: finders, preview.tick)
     assert np.abs(scenes.positions(patient) - expected).max() < 1e-5
@@ -209,8 +211,7 @@ def test_points_are_found_by_a_worker_and_ride_until_then(preview, patient, monk
 
 
 def idle(preview):
-    jobs = [one.job for one in preview._state.previews.values()]
-    return not preview._state.dirty and jobs == [None]
+    return preview.is_settled()
 
 
 def test_a_render_stops_the_worker_and_the_points_are_found_afterward(
@@ -218,9 +219,9 @@ def test_a_render_stops_the_worker_and_the_points_are_found_afterward(
 ):
     toggled()
     expected = riding(patient, 8)
-    monkeypatch.setattr(preview, "bpy", windowed.Windowed())
+    monkeypatch.setattr(addon_host.part("blender.base.jobs"), "at_once", False)
     follower = addon_host.part("core.preview").Follower
-    held, finders = windowed.held_back(monkeypatch, follower, "_advanced")
+    held, finders = windowed.held_back(monkeypatch, follower, "advanced")
     windowed.until(lambda: finders, preview.tick)
     with probe.registered():
         probe.render(patient, 8)
@@ -234,9 +235,9 @@ def test_a_render_stops_the_worker_and_the_points_are_found_afterward(
 def test_a_preview_that_ends_forgets_what_its_worker_still_finds(preview, patient, monkeypatch):
     toggled()
     expected = riding(patient, 8)
-    monkeypatch.setattr(preview, "bpy", windowed.Windowed())
+    monkeypatch.setattr(addon_host.part("blender.base.jobs"), "at_once", False)
     follower = addon_host.part("core.preview").Follower
-    held, finders = windowed.held_back(monkeypatch, follower, "_advanced")
+    held, finders = windowed.held_back(monkeypatch, follower, "advanced")
     windowed.until(lambda: finders, preview.tick)
     toggled()
     held.set()
@@ -252,7 +253,7 @@ def test_the_surface_that_is_chosen_later_is_followed(preview, patient):
     bpy.context.collection.objects.link(second)
     second.location.x = 5.0
     bpy.context.view_layer.update()
-    scenes._activate(patient)
+    scenes.activate(patient)
     toggled()
     patient.dapple.surface = second
     preview.tick()

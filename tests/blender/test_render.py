@@ -21,7 +21,7 @@ def test_the_copy_that_is_evaluated_has_the_faces_that_a_render_gets():
     render = bpy.context.scene.render
     for simplify, expected in ((False, 1634), (True, 410)):
         render.use_simplify, render.simplify_subdivision_render = simplify, 1
-        with topology._render_mesh(obj, bpy.context) as mesh:
+        with topology.render_mesh(obj, bpy.context) as mesh:
             count = len(mesh.vertices)
         assert count == probe.render(obj, 1)["surface_vertices"] == expected
 

@@ -510,7 +510,7 @@ def expect_to_go_on(obj, kept):
     """Bake solves only what is not kept."""
     assert (going_on(obj), left_over(obj)) == (kept, 0)
     solves = counted_solves()
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert solves() == FRAMES - kept
 
@@ -585,7 +585,7 @@ def test_frames_are_found_when_the_scatter_is_called_otherwise(tmp_path):
 def test_a_copy_of_the_scatter_has_work_files_of_its_own(tmp_path):
     obj = stopped(tmp_path / "first.blend")
     kept = going_on(obj)
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert bpy.ops.object.duplicate() == {"FINISHED"}
     copy = bpy.context.object
     assert (going_on(copy), left_over(copy)) == (0, 0)
@@ -705,6 +705,6 @@ def test_the_panel_looks_at_the_disk_only_when_something_was_changed(tmp_path, m
     obj = stopped(tmp_path / "first.blend")
     kept = going_on(obj)
     workfiles = addon_host.part("blender.freshness.unfinished_bakes")
-    for name in ("_count", "start_digest"):
+    for name in ("count_frames", "start_digest"):
         monkeypatch.setattr(workfiles, name, lambda *_: pytest.fail("it was looked up anew"))
     assert going_on(obj) == kept

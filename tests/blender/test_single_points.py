@@ -9,6 +9,7 @@ import addon_host
 import bmesh
 import bpy
 import numpy as np
+import pressing
 import pytest
 import scenes
 from contents import reason
@@ -377,7 +378,7 @@ class Mouse:
             bl_label=kind.bl_label,
             report=lambda kinds, text: self.reported.append((*kinds, text)),
         )
-        for name in ("_tried", "_begin", "_end", "_place", "_let_go", "modal"):
+        for name in pressing.own_methods(kind):
             setattr(self.button, name, partial(getattr(kind, name), self.button))
         return kind.invoke(self.button, self.context(), self.event("LEFTMOUSE", "PRESS", place, 0))
 

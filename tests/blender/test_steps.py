@@ -98,13 +98,13 @@ def test_disabling_ends_idle_threads(steps):
         yield steps.Task(lambda _: None)
 
     finish(steps.Stepper(generator()))
-    assert worker._free
+    assert worker.free_threads()
     worker.end_free_threads()
     end = time.monotonic() + 60.0
     while [thread for thread in threading.enumerate() if thread.name == "dapple"]:
         assert time.monotonic() < end
         time.sleep(0.005)
-    assert not worker._free
+    assert not worker.free_threads()
     finish(steps.Stepper(generator()))  # and new ones appear
 
 
@@ -189,7 +189,7 @@ def test_closing_stops_the_worker_and_restores_the_frame(steps):
     assert scenes.snapshot() == before
     assert not stepper.waits
     at_work = [thread for thread in threading.enumerate() if thread.name == "dapple"]
-    assert len(at_work) == len(addon_host.part("core.base.steps")._free)
+    assert len(at_work) == addon_host.part("core.base.steps").free_threads()
 
 
 def test_a_scatter_removed_meanwhile_is_named(steps, errors):

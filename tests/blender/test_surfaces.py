@@ -285,11 +285,11 @@ def test_a_surface_that_is_not_shown_is_a_surface_all_the_same(aside):
 def test_a_surface_that_was_deleted_is_said():
     surface = scenes.sphere()
     obj = scenes.scattered(surface)
-    scenes._activate(surface)
+    scenes.activate(surface)
     assert bpy.ops.object.delete() == {"FINISHED"}
     assert reason(obj) == "Surface 'Sphere' was deleted or is in no collection: choose another one"
     obj.dapple.surface = scenes.sphere()
-    scenes._activate(obj)
+    scenes.activate(obj)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert reason(obj) == ""
 

@@ -21,7 +21,7 @@ PLAIN = {  # numbers without a unit: counts, factors, indices
 
 def types():
     """Class, RNA type and own properties of everything that is registered."""
-    for kind in messages._classes():
+    for kind in messages.classes():
         rna = kind.bl_rna
         if issubclass(kind, bpy.types.Operator):
             group, verb = kind.bl_idname.split(".")

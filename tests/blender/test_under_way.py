@@ -68,7 +68,7 @@ def test_all_of_them_are_undone_in_one_step(artist):
         assert not ("Tail Scatter" in bpy.data.objects and made())
         bpy.ops.ed.redo()
         assert made()
-        scenes._activate(scatter())
+        scenes.activate(scatter())
     assert surface is not None
 
 
@@ -77,7 +77,7 @@ def test_a_new_scatter_becomes_active_unless_the_artist_does_something_else(arti
     artist.press("add", count=30)
     artist.finish()
     assert bpy.context.object.name == "Sphere Scatter"
-    scenes._activate(surface)
+    scenes.activate(surface)
     artist.press("add", count=30)
     other = scenes.sphere(location=(4.0, 0.0, 0.0))
     artist.finish()
@@ -135,7 +135,7 @@ def points_moved(obj):
 
 
 def points_edited(obj):
-    scenes._activate(obj)
+    scenes.activate(obj)
     bpy.ops.object.mode_set(mode="EDIT")
 
 
@@ -166,11 +166,11 @@ def scatter_deleted(obj):
 )
 def test_what_the_bake_takes_may_not_change_meanwhile(artist, obj, change, said):
     bpy.context.scene.frame_set(2)
-    about = artist.under_way.Held(obj)
+    about = artist.jobs.Held(obj)
     at_frame(artist, 3)
     change(obj)
     artist.finish()
-    notes = artist.under_way._state.notes[about.uid]
+    notes = artist.jobs.notes_of(about.uid)
     assert said in notes[0][1]
     assert notes[0][0] in ("ERROR", "WARNING")
     assert bpy.context.scene.frame_current == 2
@@ -180,11 +180,11 @@ def test_what_the_bake_takes_may_not_change_meanwhile(artist, obj, change, said)
 
 def test_what_the_bake_does_not_take_may_change(artist, obj):
     scenes.sphere(location=(5.0, 0.0, 0.0)).name = "Other"
-    scenes._activate(obj)
+    scenes.activate(obj)
     at_frame(artist, 2)
     bpy.data.objects["Other"].location.x = 7.0
     obj.dapple.scale = 0.5
-    scenes._activate(bpy.data.objects["Other"])
+    scenes.activate(bpy.data.objects["Other"])
     artist.finish()
     assert obj.dapple.baked_keys == 6
     assert artist.said(obj) == []
@@ -205,14 +205,14 @@ def test_an_undo_ends_a_bake(artist, obj):
 
 def test_it_pauses_while_the_artist_looks_for_a_frame(artist, obj, monkeypatch):
     at_frame(artist, 2)
-    monkeypatch.setattr(artist.under_way, "_REST", 1e9)
+    monkeypatch.setattr(artist.jobs, "REST", 1e9)
     bpy.context.scene.frame_set(5)
     for _ in range(50):
-        assert artist.under_way.tick() == artist.under_way._PAUSED
+        assert artist.jobs.tick() == artist.jobs.PAUSED
     assert bpy.context.scene.frame_current == 5
     assert artist.work.line() == "Bake pauses: the frame was changed"
     monkeypatch.undo()
-    artist.under_way._state.frame_changed = 0.0
+    monkeypatch.setattr(artist.jobs, "REST", 0.0)
     artist.finish()
     assert obj.dapple.baked_keys == 6
     assert bpy.context.scene.frame_current == 1
@@ -221,30 +221,30 @@ def test_it_pauses_while_the_artist_looks_for_a_frame(artist, obj, monkeypatch):
 @pytest.mark.parametrize("what", ["is_playing", "is_operated", "is_painting", "busy"])
 def test_it_pauses_while_something_else_has_the_file(artist, obj, monkeypatch, what):
     at_frame(artist, 2)
-    under_way = artist.under_way
+    under_way = artist.jobs
     owner = under_way.renders if what == "busy" else under_way.artist
     monkeypatch.setattr(owner, what, lambda: True)
     frame = bpy.context.scene.frame_current
     for _ in range(50):
-        assert under_way.tick() == under_way._PAUSED
+        assert under_way.tick() == under_way.PAUSED
     assert bpy.context.scene.frame_current == frame
     assert "pauses" in artist.work.line()
     under_way.cancel()
     if what == "busy":  # a render is never interrupted
         for _ in range(50):
-            assert under_way.tick() == under_way._PAUSED
+            assert under_way.tick() == under_way.PAUSED
         monkeypatch.undo()
     artist.finish()
     assert not obj.dapple.baked_keys
 
 
-def test_another_frame_does_not_hinder_the_others(artist, obj):
+def test_another_frame_does_not_hinder_the_others(artist, obj, monkeypatch):
     """What was read in one frame is compared there."""
     for name, options in (("rebind", {"drop_keys": False}), ("tile", {})):
         bpy.context.scene.frame_set(1)
         artist.press(name, **options)
         bpy.context.scene.frame_set(4)
-        artist.under_way._state.frame_changed = 0.0
+        monkeypatch.setattr(artist.jobs, "REST", 0.0)
         artist.finish()
         assert bpy.context.scene.frame_current == 4
         assert [kind for kind, _ in artist.said(obj)] == (["INFO"] if name == "tile" else [])
@@ -282,7 +282,7 @@ def test_another_file_ends_it(artist, obj):
     at_frame(artist, 2)
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
     assert artist.work is None
-    assert artist.under_way.tick() is None
+    assert artist.jobs.tick() is None
 
 
 def test_auto_update_waits_for_it(artist, obj, live):
@@ -291,7 +291,7 @@ def test_auto_update_waits_for_it(artist, obj, live):
     other = scenes.scattered(scenes.sphere(), count=30)
     other.dapple.auto_update_choice = "ON"
     live.settle()
-    scenes._activate(obj)
+    scenes.activate(obj)
     at_frame(artist, 2)
     other.dapple.count = 50
     for _ in range(20):

@@ -186,8 +186,7 @@ def selected_points():
 def test_steps_are_called_what_the_artist_has_done(live, artist, monkeypatch):
     """Blender lists them in Edit > Undo History."""
     names = []
-    for module in ("base.jobs", "solve.auto_update"):
-        monkeypatch.setattr(addon_host.part(f"blender.{module}"), "push_undo", names.append)
+    monkeypatch.setattr(addon_host.part("blender.base.jobs"), "push_undo", names.append)
     surface = scenes.sphere()
     artist.press("add", count=30)
     artist.finish()
@@ -196,10 +195,12 @@ def test_steps_are_called_what_the_artist_has_done(live, artist, monkeypatch):
     live.settle()
     asset = addon_host.part("blender.assets.marking").marked(obj)
     bpy.context.scene.collection.objects.link(asset)
-    addon_host.part("blender.assets.dropped")._place(asset, surface)
+    bpy.context.view_layer.update()
+    asset.dapple.surface = surface
+    assert addon_host.part("blender.assets.dropped").look() is None
     live.settle()
     assert names == ["Add Scatter", "Optimize", "Place Scatter"]
-    labels = [kind.bl_label for kind in addon_host.part("blender")._CLASSES if has_step(kind)]
+    labels = [kind.bl_label for kind in addon_host.part("blender").CLASSES if has_step(kind)]
     assert len(labels) > 20
     plain = {"Optimize", "Bake", "Reattach"}
     assert [one for one in labels if len(one.split()) < 2 and one not in plain] == []

@@ -67,7 +67,7 @@ def an_operator(chance, folder):
 def call(name, properties):
     """An operator, if its button is not gray; what it did."""
     if bpy.context.mode == "OBJECT":
-        scenes._activate(scatter())
+        scenes.activate(scatter())
     operator, before = getattr(bpy.ops.dapple, name), None
     if not operator.poll():
         return f"{name} gray"
@@ -161,8 +161,7 @@ MOVES = (
 def check():
     """What holds after whatever was done."""
     obj = scatter()
-    assert not addon_host.part("blender.base.all_or_nothing")._state.open
-    assert not addon_host.part("blender.base.all_or_nothing")._state.later
+    assert not addon_host.part("blender.base.all_or_nothing").is_open()
     if obj.mode != "OBJECT":
         return
     mesh = obj.data
@@ -200,5 +199,4 @@ def test_walks(seed, tmp_path):
         raise
     finally:
         addon_host.part("blender.density.overlay").stop()
-        previews = addon_host.part("blender.display.preview")._state.previews
-        previews.clear()
+        addon_host.part("blender.display.preview").stop_all()

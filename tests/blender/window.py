@@ -60,7 +60,7 @@ def until_optimized(escape_after=None):
 
 def until_idle(operator, escape_after=None, **options):
     """Press a button of long work, which holds nothing either, and wait until it is done."""
-    work = addon_host.part("blender.base.jobs")
+    work = addon_host.part("blender.base.operator_jobs")
     yield from until(operator, lambda: work.current() is not None, escape_after, **options)
 
 
@@ -107,7 +107,7 @@ def refused(surface):
     before = scenes.snapshot()
     yield from until_idle(bpy.ops.dapple.bake)
     assert scenes.snapshot() == before
-    ((kind, text),) = addon_host.part("blender.base.jobs").notes(bpy.context.object)
+    ((kind, text),) = addon_host.part("blender.base.operator_jobs").notes(bpy.context.object)
     assert kind == "ERROR"
     assert "changes its topology" in text
 

@@ -133,7 +133,7 @@ def escape():
     before = [tuple(vertex.co) for vertex in obj.data.vertices]
     obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 60_000, 1e-9, 100_000
     live = addon_host.part("blender.solve.auto_update")
-    yield from waited(lambda: live._state.job is not None and live.progress(obj) > 0.0)
+    yield from waited(lambda: live.is_solving() and live.progress(obj) > 0.0)
     assert not the_window().modal_operators  # no operator captures the mouse
     yield from shot("live-progress")
     area = next(one for one in the_window().screen.areas if one.type == "VIEW_3D")

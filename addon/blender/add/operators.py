@@ -9,7 +9,7 @@ from bpy.props import StringProperty
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps
 from ...core.settings.tables import SCATTER
-from ..base.jobs import Outcome
+from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, StepsOperator
 from ..base.translation import reported, told
 from ..scatter.object import rest_note

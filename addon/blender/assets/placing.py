@@ -35,7 +35,7 @@ def place(obj: bpy.types.Object, surface: bpy.types.Object) -> str:
     if obj.asset_data is not None:
         once_done(obj.asset_clear)
     _fit_density(obj, reasons)
-    _fit_classes(obj, reasons)
+    fit_classes(obj, reasons)
     if not reasons:
         return ""
     return reported("Not possible on this surface, skipped: {reasons}", reasons="; ".join(reasons))
@@ -74,7 +74,7 @@ def _fit_density(obj: bpy.types.Object, reasons: list[str]) -> None:
         obj.dapple.density.property_unset(name)
 
 
-def _fit_classes(obj: bpy.types.Object, reasons: list[str]) -> None:
+def fit_classes(obj: bpy.types.Object, reasons: list[str]) -> None:
     surface = obj.dapple.surface
     for kind in [kind for kind in obj.dapple.classes if kind.density]:
         try:

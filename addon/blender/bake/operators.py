@@ -6,7 +6,7 @@ from typing import Any
 import bpy
 
 from ...core.base.steps import Steps
-from ..base.jobs import Outcome
+from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator, is_under_way
 from ..base.translation import counted, operator_label, reported, told
 from ..display import preview

@@ -147,10 +147,10 @@ def write_bake(obj: bpy.types.Object, begun: Begun, baker: Baker, kind: str) -> 
         elif "REST" in (kind, obj.dapple.bound_to):
             write_binding(obj, baker.first_surface, baker.begin, rest)
         write_baked(obj, baker.baked(), baker.first, baker.report(), born, begun.sources)
-        _write_known(obj, begun, baker)
+        write_known(obj, begun, baker)
 
 
-def _write_known(obj: bpy.types.Object, begun: Begun, baker: Baker) -> None:
+def write_known(obj: bpy.types.Object, begun: Begun, baker: Baker) -> None:
     """What a bake was solved from, and all faces that it has seen."""
     obj.dapple.bake_fingerprint = baker.fingerprint
     obj.dapple.baked_frozen = " ".join(frozen_in(begun, baker))

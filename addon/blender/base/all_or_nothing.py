@@ -50,6 +50,11 @@ def all_or_nothing(
     before.forget()
 
 
+def is_open() -> bool:
+    """Whether something is done that may have to be put back."""
+    return _state.open or bool(_state.later)
+
+
 def once_done(call: _Call) -> None:
     """Do what cannot be taken back once all else is done: at once, if nothing is under way."""
     if _state.open:

@@ -1,286 +1,132 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The long work of an operator, done beside what the artist does: one at a time, from a timer.
+"""Background work: its progress, how it is cancelled, its undo step, and what becomes of errors.
 
-A worker computes; between two of its tasks the timer reads and writes the file, in the window and
-the scene in which the work was begun. It pauses while Blender renders, plays or is operated, and
-while the artist looks for a frame. What has to stay as it is meanwhile is watched: a change of it
-ends the work, and nothing is written.
+A worker computes; between two of its tasks a timer reads and writes the file. Blender without
+windows has no timers: there all work is done at once.
 """
 
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
 
 from ...core.base.errors import StoppedError
-from ...core.base.steps import Stepper
-from . import artist, renders
+from ...core.base.steps import Stepper, Steps
 from .all_or_nothing import sentence
-from .handlers import Evaluation, Subscriber
-from .object_handles import Held
-from .sidebars import redraw
-from .timers import call_within
-from .translation import operator_label, reported, told
+from .handlers import Subscriber
 from .undo import push_undo
 
-_POLL = 0.005  # seconds between two looks at the worker
-_PART = 0.03  # seconds of a look in which the artist waits
-_PAUSED = 0.1  # seconds between two looks whether a pause is over
-_REST = 1.0  # seconds without another frame, after which the artist has found the one to look at
-_SAID = 8.0  # seconds for which the status bar shows how it has ended
-
-Said = list[tuple[str, str]]  # (INFO, WARNING or ERROR, text)
+_LONG = 3600.0  # seconds that a Blender without windows waits for a worker
 
 at_once = bpy.app.background
+_running: "list[Job]" = []
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What was made, and what is to be said of it."""
-
-    obj: bpy.types.Object
-    said: Said = field(default_factory=list)
+def _nothing(_why: str) -> None: ...
 
 
-@dataclass
-class Work:
-    """What is to be done."""
+@dataclass(eq=False)
+class Job:
+    """Steps, and what follows them. An operator's label says in errors what has failed."""
 
-    label: str  # of the operator, in English
-    about: Held  # the object in whose panel it is said how it ends
-    stepper: Stepper
-    done: Callable[[bpy.types.Context, Any, bpy.types.Object], Outcome]  # what follows
-    watched: dict[int, str] = field(default_factory=dict)  # what has to stay: names by session_uid
-    scene: int = 0  # its session_uid
-    window: int = 0  # its address
-    why: str = ""  # what has stopped it, if that was not the artist's wish
-    shown: str = ""
+    label: str  # in English
+    steps: Steps
+    done: Callable[[Any], str]  # takes the result; returns the name of an undo step, or ""
+    failed: Callable[[str], None]  # takes the reason, a sentence
+    stopped: Callable[[str], None] = _nothing  # it was cancelled
+    whole: bool | None = None  # do all of it at once; None: if there are no windows
+    works_during_renders: bool = False
+    stepper: Stepper = field(init=False)
 
-    def line(self) -> str:
-        """How far it is, or why it pauses."""
-        work = operator_label(self.label)
-        why = pause()
-        if why:
-            return told("{work} pauses: {why}", work=work, why=why)
-        return told("{work}: {progress:.0%}", work=work, progress=self.stepper.progress)
+    def __post_init__(self) -> None:
+        self.stepper = Stepper(self.steps)
+        self.whole = at_once if self.whole is None else self.whole
+        _running.append(self)
 
+    @property
+    def progress(self) -> float:
+        """Share of the whole that is done, in [0, 1]."""
+        return self.stepper.progress
 
-@dataclass
-class _State:
-    """What the timer and the handlers share."""
+    @property
+    def waits(self) -> bool:
+        """Whether a worker is at a task."""
+        return self.stepper.waits
 
-    work: Work | None = None
-    stepping: bool = False  # what changes now is changed by the work itself
-    frame_changed: float = 0.0  # by the artist, by the monotonic clock
-    notes: dict[int, Said] = field(default_factory=dict)  # how work has ended, by session_uid
+    @property
+    def is_running(self) -> bool:
+        """Whether it has neither ended nor been cancelled."""
+        return self in _running and not self.stepper.is_stopped
 
+    def begin(self) -> None:
+        """Do the first step. Errors are raised, and nothing else follows them."""
+        try:
+            if self._advance(0.0) and self.whole:
+                self._finish()
+        except BaseException:
+            self.abandon()
+            raise
 
-_state = _State()
+    def go_on(self, seconds: float = 0.0) -> bool:
+        """Go on for so long, or by one step; whether it has ended, in whatever way."""
+        try:
+            ended = self._advance(seconds)
+            if ended:
+                self._finish()
+            return ended
+        except StoppedError as error:
+            self.abandon()
+            self.stopped(str(error))
+        except Exception as error:
+            self.abandon()
+            self.failed(sentence(self.label, error))
+        except BaseException:
+            self.abandon()
+            raise
+        return True
 
+    def cancel(self) -> None:
+        """Ask the worker to stop; the next step ends the job."""
+        self.stepper.cancel()
 
-def current() -> Work | None:
-    """The work that goes on."""
-    return _state.work
+    def abandon(self) -> None:
+        """Stop without waiting for the worker; nothing follows."""
+        self._forget()
+        self.stepper.abandon()
 
+    def close(self) -> None:
+        """Stop and wait for the worker; nothing follows."""
+        self._forget()
+        self.stepper.close()
 
-def begin(context: bpy.types.Context, work: Work) -> None:
-    """Do the first step now and the others from a timer; what is wrong at once is raised."""
-    _state.notes.pop(work.about.uid, None)
-    work.scene = context.scene.session_uid
-    work.window = context.window.as_pointer() if context.window else 0
-    _state.work, _state.frame_changed = work, 0.0
-    try:
-        with _own_changes():
-            work.stepper.poll()
-    except BaseException:
-        _leave()
-        raise
-    call_within(0.0, tick)
-    redraw()
+    def _advance(self, seconds: float) -> bool:
+        ended = self.stepper.run_for(seconds) if seconds else self.stepper.poll()
+        while self.whole and not ended:
+            ended = self.stepper.poll(wait=_LONG)
+        return ended
 
+    def _finish(self) -> None:
+        self._forget()
+        undo = self.done(self.stepper.result)
+        if undo:
+            push_undo(undo)
 
-def cancel(why: str = "") -> None:
-    """Have the work end; nothing is written."""
-    if _state.work is not None:
-        _state.work.why = _state.work.why or why
-        _state.work.stepper.cancel()
-
-
-def notes(obj: bpy.types.Object) -> Said:
-    """How the last work on an object has ended, as far as there is something to say."""
-    return _state.notes.get(obj.session_uid, [])
-
-
-def dismiss(obj: bpy.types.Object) -> None:
-    """Say no more how it has ended."""
-    _state.notes.pop(obj.session_uid, None)
-    redraw()
-
-
-def pause() -> str:
-    """Why nothing is read or written now; empty where nothing hinders that."""
-    if renders.busy():
-        return told("Blender renders")
-    if artist.is_playing():
-        return told("the animation plays")
-    if artist.is_operated() or artist.is_painting():
-        return told("another tool is used")
-    if artist.is_scrubbing() or time.monotonic() - _state.frame_changed < _REST:
-        return told("the frame was changed")
-    return ""
-
-
-def tick() -> float | None:
-    """Go on; seconds until the next time, None to end."""
-    work = _state.work
-    if work is None:
-        return None
-    if renders.busy() or (pause() and not work.stepper.is_stopped):
-        _show(work)
-        return _PAUSED
-    try:
-        with _where_it_began(work):
-            if not _advance(work):
-                _show(work)
-                return _POLL
-            outcome = work.done(bpy.context, work.stepper.result, work.about.get())
-    except Exception as error:
-        _end(work.about.uid, _trouble(work, error))
-    except BaseException:
-        _end(work.about.uid, [])
-        raise
-    else:
-        _end(outcome.obj.session_uid, outcome.said)
-        push_undo(work.label)
-    return None
+    def _forget(self) -> None:
+        if self in _running:
+            _running.remove(self)
 
 
-def _advance(work: Work) -> bool:
-    """As many steps as a look has time for; True when all are done."""
-    if work.stepper.waits:
-        return False
-    if bpy.context.scene.session_uid != work.scene:
-        cancel(reported("Another scene is shown"))
-    for layer in _shown_layers():
-        layer.update()  # what the artist has changed is noticed as such
-    with _own_changes():
-        return work.stepper.run_for(_PART)
-
-
-@contextmanager
-def _own_changes() -> Iterator[None]:
-    _state.stepping = True
-    try:
-        yield
-        for layer in _shown_layers():
-            layer.update()
-    finally:
-        _state.stepping = False
-
-
-def _shown_layers() -> list[bpy.types.ViewLayer]:
-    """Those that Blender evaluates: what is changed counts in all of them."""
-    windows = bpy.context.window_manager.windows
-    return [bpy.context.view_layer, *(window.view_layer for window in windows)]
-
-
-@contextmanager
-def _where_it_began(work: Work) -> Iterator[None]:
-    """With the window of the work, as an operator has one; another one if that was closed."""
-    with bpy.context.temp_override(window=_window(work)):
-        yield
-
-
-def _window(work: Work) -> bpy.types.Window | None:
-    windows = list(bpy.context.window_manager.windows)
-    same = [window for window in windows if window.as_pointer() == work.window]
-    return next(iter([*same, *windows]), None)
-
-
-def _trouble(work: Work, error: Exception) -> Said:
-    if not isinstance(error, StoppedError):
-        return [("ERROR", sentence(work.label, error))]
-    first = [("WARNING", work.why)] if work.why else []
-    return [*first, ("INFO", str(error))]
-
-
-def _end(uid: int, said: Said) -> None:
-    """Show how the work has ended, in the panel of an object."""
-    _leave()
-    _state.notes[uid] = said
-    _write_status(" ".join(text for _, text in said))
-    if said:
-        call_within(_SAID, _clear_status)
-    redraw()
-
-
-def _leave() -> None:
-    """Stop the worker, and put back what was changed for a while."""
-    work, _state.work = _state.work, None
-    if work is not None:
-        work.stepper.close()
-
-
-def _show(work: Work) -> None:
-    line = work.line()
-    if line != work.shown:
-        work.shown = line
-        _write_status(told("{line}    Esc in the 3D View cancels", line=line))
-        redraw()
-
-
-def _write_status(text: str) -> None:
-    for window in bpy.context.window_manager.windows:
-        window.workspace.status_text_set(text or None)
-
-
-def _clear_status() -> None:
-    if _state.work is None:
-        _write_status("")
-
-
-def _updated(evaluation: Evaluation) -> None:
-    """End the work if the artist has changed what has to stay."""
-    work = _state.work
-    if work is None or _state.stepping or not work.watched:
-        return
-    for one in evaluation.updates:
-        name = work.watched.get(one.uid)
-        if one.is_edited and name is not None:
-            cancel(reported("'{name}' was changed", name=name))
-
-
-def _frame_changed(_evaluation: Evaluation) -> None:
-    if not _state.stepping:
-        _state.frame_changed = time.monotonic()
-
-
-def _undone() -> None:
-    """An undo may have brought back anything."""
-    _state.notes.clear()
-    if _state.work is not None and _state.work.watched:
-        cancel(reported("A step was undone or redone"))
-
-
-def _before_load() -> None:
-    _leave()
-    _state.notes.clear()
-    _write_status("")
+def _render_began() -> None:
+    """Leave the processors to the render."""
+    for job in _running:
+        if not job.works_during_renders:
+            job.cancel()
 
 
 def _disabled() -> None:
-    _leave()
-    _state.notes.clear()
+    for job in list(_running):
+        job.close()
 
 
-SUBSCRIBER = Subscriber(
-    updated=_updated,
-    frame_changed=_frame_changed,
-    undone=_undone,
-    before_load=_before_load,
-    disabled=_disabled,
-    ticks=(tick, _clear_status),
-)
+SUBSCRIBER = Subscriber(render_began=_render_began, disabled=_disabled)

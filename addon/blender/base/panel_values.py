@@ -62,6 +62,11 @@ class Prepared:
         return note.found
 
 
+def known_objects() -> set[str]:
+    """Names of the objects of which something is known."""
+    return {note.held.name for note in _notes.values() if note.held is not None}
+
+
 def tick() -> float | None:
     """Look for what was asked for; seconds until the next time, None to end."""
     if busy() or step_operators.is_under_way():

@@ -8,11 +8,11 @@ from typing import Any
 
 import bpy
 
-from ...core.base.steps import Stepper, Steps, run_now
-from . import jobs
+from ...core.base.steps import Steps, run_now
+from . import jobs, operator_jobs
 from .all_or_nothing import AllOrNothing, Status, tried
-from .jobs import Outcome, Work
 from .object_handles import Held
+from .operator_jobs import Outcome, Work
 
 __all__ = ["OPTIONS", "AllOrNothing", "Status", "StepsOperator", "is_under_way", "tried"]
 
@@ -21,7 +21,7 @@ OPTIONS = {"REGISTER", "UNDO"}  # of operators that change the file
 
 def is_under_way() -> bool:
     """Whether some work goes on from a timer."""
-    return jobs.current() is not None
+    return operator_jobs.current() is not None
 
 
 class StepsOperator:
@@ -69,7 +69,7 @@ class StepsOperator:
         return tried(self, context, lambda: self._begin(context), lambda: self.written(context))
 
     def _begin(self, context: bpy.types.Context) -> Status:
-        stepper, about = Stepper(self.steps(context)), Held(self.about(context))
-        work = Work(self.bl_label, about, stepper, self.done, self.watched(context))
-        jobs.begin(context, work)
+        steps, about = self.steps(context), Held(self.about(context))
+        work = Work(self.bl_label, about, steps, self.done, self.watched(context))
+        operator_jobs.begin(context, work)
         return {"CANCELLED"}

@@ -32,7 +32,7 @@ class Asked(argparse.Namespace):
 
 def parsed(arguments: list[str]) -> Asked:
     """A command line; SystemExit with the exit code where there is nothing to do."""
-    asked = _parser().parse_args(arguments, Asked())
+    asked = parser().parse_args(arguments, Asked())
     asked.scatters = list(filter(None, asked.scatters))
     return asked
 
@@ -55,7 +55,7 @@ def frames(text: str) -> tuple[int, int] | None:
     return first, last
 
 
-def _parser() -> argparse.ArgumentParser:
+def parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="blender -b FILE.blend --command dapple",
         description="Solves the scatters of a file without a window.",

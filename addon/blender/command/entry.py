@@ -155,6 +155,11 @@ def _is_wrong(facts: Facts) -> bool:
     return facts["state"] in (FAILED, STOPPED, OUTDATED)
 
 
+def is_registered() -> bool:
+    """Whether Blender knows the command."""
+    return _state.handle is not None
+
+
 def register() -> None:
     """Add the command to Blender's command line."""
     _state.handle = bpy.utils.register_cli_command(NAME, main)

@@ -11,8 +11,8 @@ from gpu_extras.batch import batch_for_shader
 
 from ...core.density.colors import Singles, ramp
 
-_WIDTH, _HEIGHT = 180.0, 12.0  # pixels of the ramp, before the scale of the interface
-_EDGE, _GAP, _LETTER = 20.0, 5.0, 12.0
+WIDTH, HEIGHT = 180.0, 12.0  # pixels of the ramp, before the scale of the interface
+EDGE, GAP, LETTER = 20.0, 5.0, 12.0
 _FONT = 0
 
 
@@ -20,14 +20,14 @@ def draw(title: str, low: str, high: str, scale: float) -> None:
     """Into the region that is drawn, at its lower left, right of the toolbar; the scale is that of
     the interface.
     """
-    left, bottom = _toolbar() + _EDGE * scale, _EDGE * scale
-    blf.size(_FONT, _LETTER * scale)
-    above = bottom + (_LETTER + _GAP) * scale
+    left, bottom = _toolbar() + EDGE * scale, EDGE * scale
+    blf.size(_FONT, LETTER * scale)
+    above = bottom + (LETTER + GAP) * scale
     _strip(left, above, scale)
     width = blf.dimensions(_FONT, high)[0]
     _text(low, left, bottom)
-    _text(high, left + max(_WIDTH * scale - width, 0.0), bottom)
-    _text(title, left, above + (_HEIGHT + _GAP) * scale)
+    _text(high, left + max(WIDTH * scale - width, 0.0), bottom)
+    _text(title, left, above + (HEIGHT + GAP) * scale)
 
 
 def strip(width: float, height: float) -> tuple[Singles, Singles]:
@@ -43,7 +43,7 @@ def strip(width: float, height: float) -> tuple[Singles, Singles]:
 
 
 def _strip(left: float, bottom: float, scale: float) -> None:
-    places, colors = strip(_WIDTH * scale, _HEIGHT * scale)
+    places, colors = strip(WIDTH * scale, HEIGHT * scale)
     content: dict[str, Any] = {
         "pos": places + np.array([left, bottom], np.float32),
         "color": colors,

@@ -15,10 +15,12 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from ...core.base.errors import ScatterError, StoppedError
-from ...core.base.steps import Stepper, Steps, Task
+from ...core.base.errors import ScatterError
+from ...core.base.steps import Steps, Task
 from ...core.density.colors import Colored, Singles, computed
+from ..base.all_or_nothing import sentence
 from ..base.handlers import Evaluation, Subscriber
+from ..base.jobs import Job
 from ..base.object_handles import Held
 from ..base.renders import busy
 from ..base.timers import call_within
@@ -28,9 +30,9 @@ from ..surface.reading import read_parts
 from . import legend as density_legend
 from .shown_term import Asked, asked_of, legend_of, watched_by
 
-_PAUSE = 0.2  # seconds without a change before the colors are computed
+PAUSE = 0.2  # seconds without a change before the colors are computed
 _POLL = 0.01  # seconds between two looks at the worker
-_LONG = 3600.0  # seconds that a Blender without windows waits for it
+_LABEL = "Show Density"
 _PART = 300_000  # corners that are handed to the graphics card at a time
 _NOTHING = Colored(np.empty((0, 3), np.float32), np.empty((0, 4), np.float32), 0.0)
 Part = tuple[Singles, Singles]  # positions and colors of corners
@@ -48,7 +50,7 @@ class _Shown:
     batches: list[Any] = field(default_factory=list)  # that are drawn
     waiting: list[Part] = field(default_factory=list)  # for the graphics card
     coming: list[Any] = field(default_factory=list)  # batches of the newest, until all are there
-    job: Stepper | None = None  # what goes on
+    job: Job | None = None  # what goes on
     changed: float = 0.0  # when, by the monotonic clock; 0: not since it was computed
     said: str = ""  # why it ended
     handles: tuple[Any, ...] = ()
@@ -84,7 +86,7 @@ def start(obj: bpy.types.Object) -> None:
     if not bpy.app.background:
         space = bpy.types.SpaceView3D
         _shown.handles = (
-            space.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"),
+            space.draw_handler_add(draw, (), "WINDOW", "POST_VIEW"),
             space.draw_handler_add(_draw_legend, (), "WINDOW", "POST_PIXEL"),
         )
     call_within(_POLL, tick)
@@ -109,6 +111,11 @@ def touch(obj: bpy.types.Object) -> None:
         _shown.changed = time.monotonic()
 
 
+def is_computing() -> bool:
+    """Whether other colors are on their way, or wanted."""
+    return _shown.job is not None or bool(_shown.changed)
+
+
 def triangles() -> tuple[Singles, Singles]:
     """What is drawn: corners (3 m, 3) in world space and their colors (3 m, 4)."""
     return _shown.colored.positions, _shown.colored.colors
@@ -126,10 +133,9 @@ def _begin() -> None:
     obj = _shown.scatter.get()
     _shown.asked, _shown.changed = asked_of(obj), 0.0
     _shown.watched = watched_by(obj, _shown.asked)
-    _shown.job = Stepper(_steps(_shown.scatter, Held(surface_of(obj)), _shown.asked))
-    while bpy.app.background and not _shown.job.poll(wait=_LONG):
-        pass  # a Blender without windows has no timers
-    _poll()
+    steps = _steps(_shown.scatter, Held(surface_of(obj)), _shown.asked)
+    _shown.job = Job(_LABEL, steps, _done, _failed, _stopped)
+    _shown.job.begin()
 
 
 def _steps(scatter: Held, surface: Held, asked: Asked) -> Steps:
@@ -138,16 +144,23 @@ def _steps(scatter: Held, surface: Held, asked: Asked) -> Steps:
     return (yield Task(lambda worker: computed(read.arrays(), settings, density, alone, worker)))
 
 
-def _poll() -> None:
-    """One step of what goes on; shows what was computed."""
-    if _shown.job is None or not _shown.job.poll():
-        return
-    if _shown.job.result is not None:
-        _shown.colored = found = _shown.job.result
-        _shown.waiting, _shown.coming = _parts(found.positions, found.colors), []
-        _shown.legend = legend_of(_shown.scatter.get(), found) if _shown.scatter else None
+def _done(found: Colored) -> str:
     _shown.job = None
+    _shown.colored = found
+    _shown.waiting, _shown.coming = _parts(found.positions, found.colors), []
+    _shown.legend = legend_of(_shown.scatter.get(), found) if _shown.scatter else None
     _redraw()
+    return ""
+
+
+def _failed(why: str) -> None:
+    stop()
+    _shown.said = told("Density is not shown: {error}", error=why)
+
+
+def _stopped(_why: str) -> None:
+    """A render took its place."""
+    _shown.job, _shown.changed = None, time.monotonic()
 
 
 def _give_up() -> None:
@@ -157,34 +170,33 @@ def _give_up() -> None:
 
 
 def tick() -> float | None:
+    """Begin or go on; seconds until the next time, None to end."""
     if _shown.scatter is None:
         return None
     if busy():
-        return _PAUSE
+        return PAUSE
     try:
         _look(_shown.scatter.get())
-        _poll()
-    except ScatterError as error:
-        stop()
-        _shown.said = told("Density is not shown: {error}", error=error)
+    except Exception as error:
+        _failed(sentence(_LABEL, error))
         return None
-    except StoppedError:  # a render took its place
-        _shown.job, _shown.changed = None, time.monotonic()
+    if _shown.job is not None:
+        _shown.job.go_on()
     uploads = bool(_shown.waiting) and bool(_shown.handles)
     if uploads:
         _redraw()
-    return _POLL if uploads or _shown.job is not None else _PAUSE
+    return _POLL if uploads or _shown.job is not None else PAUSE
 
 
 def _look(obj: bpy.types.Object) -> None:
     """Begin anew once something has changed and nothing more does."""
     if asked_of(obj) != _shown.asked and not _shown.changed:
         _shown.changed = time.monotonic()
-    if _shown.changed and time.monotonic() - _shown.changed > _PAUSE:
+    if _shown.changed and time.monotonic() - _shown.changed >= PAUSE:
         _begin()
 
 
-def _draw() -> None:
+def draw() -> None:
     """Draw what is there; hand a part of what is new to the graphics card."""
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
     _upload(shader)
@@ -242,11 +254,6 @@ def _undone() -> None:
         _shown.changed = time.monotonic()
 
 
-def _render_began() -> None:
-    if _shown.job is not None:
-        _shown.job.cancel()
-
-
 def _before_load() -> None:
     stop()
     _shown.said = ""
@@ -255,7 +262,6 @@ def _before_load() -> None:
 SUBSCRIBER = Subscriber(
     updated=_updated,
     frame_changed=_updated,
-    render_began=_render_began,
     undone=_undone,
     before_load=_before_load,
     disabled=stop,

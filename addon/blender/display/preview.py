@@ -7,14 +7,16 @@ play the bake or the stored binding, so nothing here runs in one or changes one.
 that something happened.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 
-from ...core.base.errors import ScatterError, StoppedError
-from ...core.base.steps import Stepper
+from ...core.base.errors import ScatterError
+from ...core.base.steps import Steps
+from ..base.all_or_nothing import sentence
 from ..base.handlers import Evaluation, Subscriber
+from ..base.jobs import Job
 from ..base.object_handles import Held
 from ..base.renders import busy
 from ..base.step_operators import AllOrNothing
@@ -27,7 +29,7 @@ from .preview_steps import Preview, begin_steps, clear_bindings, follow_steps
 
 _TICK = 0.05  # seconds between two looks at the surface
 _POLL = 0.005  # seconds between two looks at a worker
-_LONG = 3600.0  # seconds that a Blender without windows waits for one
+_LABEL = "Live Preview"
 
 
 @dataclass
@@ -46,6 +48,18 @@ _state = _State({})
 def is_on(obj: bpy.types.Object) -> bool:
     """Whether a scatter is previewed."""
     return obj.session_uid in _state.previews
+
+
+def is_settled() -> bool:
+    """Whether the points of all previews are those of their surfaces."""
+    return not _state.dirty and all(one.job is None for one in _state.previews.values())
+
+
+def stop_all() -> None:
+    """End all previews."""
+    for uid in list(_state.previews):
+        _give_up(uid)
+    clear_bindings()
 
 
 def note(obj: bpy.types.Object) -> str:
@@ -72,9 +86,8 @@ def start(obj: bpy.types.Object) -> None:
         )
     _give_up(obj.session_uid)
     clear_bindings(keep=_state.previews)  # a copy of a scatter that is previewed has its preview
-    preview.job = Stepper(begin_steps(preview))
-    _wait_in_background(preview.job)
-    _poll(preview)
+    preview.job = _job(preview, begin_steps(preview))
+    preview.job.begin()
     _state.previews[obj.session_uid] = preview
     _state.said, _state.dirty = "", True
     call_within(_TICK, tick)
@@ -97,8 +110,8 @@ def solved_anew(obj: bpy.types.Object) -> None:
 def _begin_anew(preview: Preview) -> None:
     try:
         start(preview.scatter.get())
-    except ScatterError as error:
-        _end(preview, str(error))
+    except Exception as error:
+        _end(preview, sentence(_LABEL, error))
 
 
 def tick() -> float | None:
@@ -112,44 +125,32 @@ def tick() -> float | None:
         return _TICK
     dirty, _state.dirty = _state.dirty, False
     for preview in list(_state.previews.values()):
-        if preview.job is None and (dirty or _has_other_surface(preview)):
-            _try(preview, _follow)
-        elif preview.job is not None:
-            _state.dirty |= dirty  # to be looked at when that is done
-            _try(preview, _poll)
+        _look(preview, dirty)
     goes_on = any(one.job is not None for one in _state.previews.values())
     return _POLL if goes_on else _TICK
 
 
-def _try(preview: Preview, step: Callable[[Preview], None]) -> None:
-    try:
-        step(preview)
-    except ScatterError as error:
-        _end(preview, str(error))
-    except StoppedError:  # a render took its place
-        preview.job = None
-
-
-def _poll(preview: Preview) -> None:
-    """One step of what goes on."""
-    if preview.job is not None and preview.job.poll():
-        preview.job = None
-
-
-def _follow(preview: Preview) -> None:
-    """Begin to look at a surface."""
-    if _has_other_surface(preview):
+def _look(preview: Preview, dirty: bool) -> None:
+    """Go on with what goes on; else begin if the surface may be another one."""
+    if preview.job is not None:
+        _state.dirty |= dirty  # to be looked at when that is done
+    elif _has_other_surface(preview):
         _begin_anew(preview)
-        return
-    preview.job = Stepper(follow_steps(preview))
-    _wait_in_background(preview.job)
-    _poll(preview)
+    elif dirty:
+        preview.job = _job(preview, follow_steps(preview))
+    if preview.job is not None:
+        preview.job.go_on()
 
 
-def _wait_in_background(job: Stepper) -> None:
-    """A Blender without windows has no timers."""
-    while bpy.app.background and not job.poll(wait=_LONG):
-        pass
+def _job(preview: Preview, steps: Steps) -> Job:
+    def done(_result: Any) -> str:
+        preview.job = None
+        return ""
+
+    def stopped(_why: str) -> None:
+        preview.job, _state.dirty = None, True
+
+    return Job(_LABEL, steps, done, lambda why: _end(preview, why), stopped)
 
 
 def _has_other_surface(preview: Preview) -> bool:
@@ -168,11 +169,6 @@ def _give_up(uid: int) -> None:
         preview.job.abandon()
 
 
-def _give_all_up() -> None:
-    for uid in list(_state.previews):
-        _give_up(uid)
-
-
 def _end(preview: Preview, why: str) -> None:
     _give_up(preview.scatter.uid)
     _state.said = told("Preview ended: {why}", why=why)
@@ -187,45 +183,29 @@ def _evaluated(_evaluation: Evaluation) -> None:
     _touched()
 
 
-def _render_began() -> None:
-    """Workers stop; the surfaces are looked at again afterward."""
-    _touched()
-    for preview in _state.previews.values():
-        if preview.job is not None:
-            preview.job.cancel()
-
-
 def _undone() -> None:
     _state.undone = _state.dirty = True
     call_within(_TICK, tick)
 
 
 def _before_load() -> None:
-    _give_all_up()
+    stop_all()
     _state.undone, _state.said = False, ""
 
 
-def _before_save() -> None:
-    """What is saved shows the bake or the stored binding."""
-    _give_all_up()
-    clear_bindings()
-
-
 def _disabled() -> None:
-    _give_all_up()
     if hasattr(bpy.data, "objects"):  # there is no file yet while Blender starts
-        clear_bindings()
+        stop_all()
 
 
 SUBSCRIBER = Subscriber(
     updated=_evaluated,
     frame_changed=_evaluated,
-    render_began=_render_began,
     render_ended=_touched,
     undone=_undone,
     before_load=_before_load,
     loaded=clear_bindings,  # a file that was saved while it recovered may show a preview
-    before_save=_before_save,
+    before_save=stop_all,  # what is saved shows the bake or the stored binding
     disabled=_disabled,
     ticks=(tick,),
 )

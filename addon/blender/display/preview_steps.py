@@ -9,11 +9,12 @@ import numpy as np
 
 from ...core.bake.baker import Start
 from ...core.base.errors import ScatterError
-from ...core.base.steps import Stepper, Steps, Task
+from ...core.base.steps import Steps, Task
 from ...core.preview import Follower
 from ...core.surface.mesh_snapshot import RawMesh, surface_of_raw
 from ...core.surface.records import ROW_ATTRIBUTES, Binding
 from ...nodes import get_input, has_input, set_input
+from ..base.jobs import Job
 from ..base.mesh_arrays import write_columns, write_points
 from ..base.object_handles import Held
 from ..scatter.modifier import ensure_modifier, scatter_modifier
@@ -33,7 +34,7 @@ class Preview:
     surface: Held
     follower: Follower | None = None  # once the worker has made it
     mesh: RawMesh | None = None  # that the follower began with or has seen last
-    job: Stepper | None = None  # what goes on
+    job: Job | None = None  # what goes on
 
 
 def begin_steps(preview: Preview) -> Steps:

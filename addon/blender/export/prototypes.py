@@ -25,7 +25,7 @@ _NO_GLTF = "Blender's glTF exporter is missing: export .usd, .csv or .npz"
 
 def check_installed(suffix: str) -> None:
     """ScatterError if this Blender cannot write files with this ending."""
-    if suffix in USD and not (bpy.app.build_options.usd and _has_pxr()):
+    if suffix in USD and not (bpy.app.build_options.usd and has_pxr()):
         raise ScatterError(_NO_USD)
     if suffix in GLTF and not _has_gltf():
         raise ScatterError(_NO_GLTF)
@@ -132,7 +132,7 @@ def _scene_of(meshes: Sequence[bpy.types.Mesh]) -> Iterator[list[bpy.types.Objec
         bpy.data.scenes.remove(scene)
 
 
-def _has_pxr() -> bool:
+def has_pxr() -> bool:
     """Whether Blender's Python finds USD; as a module it has to be told where Blender's is."""
     if importlib.util.find_spec("pxr"):
         return True

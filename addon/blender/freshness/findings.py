@@ -24,10 +24,10 @@ from .scene_snapshot import AROUND, Present, depends_on
 from .staleness import Verdict, verdict
 from .unfinished_bakes import all_work_files, left_over, unfinished
 
-_PAUSE = 0.2  # seconds without a change before the timer looks, or more where looking takes long
-_PATIENCE = 5.0  # so much longer than looking took is the pause
-_RARELY = 20.0  # the same for glances
-_GLANCE = 2.0  # seconds between two glances at a picture, or more likewise
+PAUSE = 0.2  # seconds without a change before the timer looks, or more where looking takes long
+PATIENCE = 5.0  # so much longer than looking took is the pause
+RARELY = 20.0  # the same for glances
+GLANCE = 2.0  # seconds between two glances at a picture, or more likewise
 
 at_once = bpy.app.background
 
@@ -80,6 +80,11 @@ def findings(obj: bpy.types.Object, context: bpy.types.Context) -> Findings | No
     return None if one.doubtful and fits else one.findings
 
 
+def is_watching() -> bool:
+    """Whether some scatter is followed, because the panel shows it."""
+    return bool(_state.asked)
+
+
 def has_work_files(obj: bpy.types.Object, context: bpy.types.Context) -> bool:
     """Whether bakes of a scatter have left any; True while that is to be found yet."""
     if at_once:
@@ -96,9 +101,9 @@ def touch(obj: bpy.types.Object) -> None:
 
 def tick() -> float | None:
     """Look again where something changed; seconds until the next time, None to end."""
-    wait = max(_PAUSE, _PATIENCE * _state.took) - (time.monotonic() - _state.changed)
+    wait = max(PAUSE, PATIENCE * _state.took) - (time.monotonic() - _state.changed)
     if _busy() or wait > 0.0:
-        return max(wait, _PAUSE)
+        return max(wait, PAUSE)
     for uid, one in list(_state.asked.items()):
         obj = _object(one)
         if obj is None or not is_shown(obj):
@@ -107,8 +112,8 @@ def tick() -> float | None:
             _look(one, obj)
     _glance_at_pictures()
     if any(one.doubtful for one in _state.asked.values()):
-        return _PAUSE
-    return _GLANCE if any(_picture(one) for one in _state.asked.values()) else None
+        return PAUSE
+    return GLANCE if any(_picture(one) for one in _state.asked.values()) else None
 
 
 def _look(one: _Asked, obj: bpy.types.Object) -> None:
@@ -139,7 +144,7 @@ def _picture(one: _Asked) -> bpy.types.Image | None:
 
 def _glance_at_pictures() -> None:
     """Doubt what a picture is for, where it may have been painted: no handler notices that."""
-    pause = max(_GLANCE, _RARELY * _state.glance_took)
+    pause = max(GLANCE, RARELY * _state.glance_took)
     if time.monotonic() - _state.glanced < pause:
         return
     begin = time.monotonic()
@@ -171,7 +176,7 @@ def _doubt(one: _Asked) -> None:
 
 def _wake() -> None:
     """Have the timer look soon, which may sleep between two glances."""
-    call_in(_PAUSE, tick)
+    call_in(PAUSE, tick)
 
 
 def _busy() -> bool:

@@ -176,11 +176,11 @@ def _counted(obj: bpy.types.Object) -> tuple[int, int]:
     token = (own, obj.dapple.bake_fingerprint, times)
     known = _known.counts.get(obj.session_uid)
     if known is None or known[0] != token:
-        known = _known.counts[obj.session_uid] = token, _count(obj, found, own)
+        known = _known.counts[obj.session_uid] = token, count_frames(obj, found, own)
     return known[1]
 
 
-def _count(obj: bpy.types.Object, found: list[Sidecar], own: Path) -> tuple[int, int]:
+def count_frames(obj: bpy.types.Object, found: list[Sidecar], own: Path) -> tuple[int, int]:
     going_on = others = 0
     for files in found:
         if _is_finished(obj, files):

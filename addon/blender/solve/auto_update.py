@@ -3,32 +3,33 @@
 and at once when a stroke, a move or another operator has ended. Optimize is one of these updates,
 from the seed, that is asked for.
 
-Handlers and property updates only note what changed. An app timer reads what is there part by
-part, a worker solves, and the timer writes; until then the old points stay. A change meanwhile
-gives that up and begins the pause anew. No undo step is made: an undo of the artist's change brings
+Handlers and property updates only note what changed. A timer reads what is there part by part, a
+worker solves, and the timer writes; until then the old points stay. A change meanwhile discards
+that work and begins the pause anew. No undo step is made: an undo of the artist's change brings
 back settings or points that do not fit, which is a change as any other. What was asked for is an
 undo step, made once the points are there.
 
 In background mode nothing follows by itself, unless a test says so and drives the timer by hand.
 """
 
+import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import bpy
 
 from ...core.base.errors import ScatterError
 from ...core.base.schedule import Schedule
-from ...core.base.steps import Stepper
 from ..base import artist, renders, step_operators
-from ..base.all_or_nothing import sentence
 from ..base.artist import is_operated
 from ..base.handlers import Evaluation, Subscriber
+from ..base.jobs import Job
 from ..base.object_handles import Held
 from ..base.quiet import is_quiet
 from ..base.sidebars import redraw
 from ..base.step_operators import is_under_way
 from ..base.timers import call_in
-from ..base.undo import push_undo
 from ..display import preview
 from .changes import NOBODY, Cause, Changes, follows, scatters
 from .optimize import optimize_steps
@@ -50,14 +51,19 @@ class _Wish:
 
 
 @dataclass
-class _Job:
-    """The scatter that is being solved."""
+class _Update:
+    """A scatter that is being solved."""
 
     scatter: Held
-    stepper: Stepper
     cause: Cause  # itself and the scatters because of which it is
     wish: _Wish | None  # None: it follows a change
+    job: Job = field(init=False)
     shown: int = -1  # hundredths that the panel shows
+
+    def __post_init__(self) -> None:
+        asked, drops_keys = self.wish is not None, self.wish is not None and self.wish.drops_keys
+        steps = optimize_steps(self.scatter, asked=asked, drops_keys=drops_keys)
+        self.job = Job("Optimize", steps, self._done, self._failed, self._stopped, whole=False)
 
     def writes(self) -> dict[int, Cause]:
         """The cause of changes of what it writes, by session_uid."""
@@ -67,6 +73,24 @@ class _Job:
             return {}
         return dict.fromkeys((obj.session_uid, obj.data.session_uid), self.cause)
 
+    def _done(self, result: Any) -> str:
+        _end(self)
+        if not result:
+            _state.changes.wait_for_frame(self.scatter.get())
+            return ""
+        _state.changes.wrote(self.writes())
+        follow_up(self.scatter.get())
+        return self.wish.step if self.wish else ""
+
+    def _failed(self, why: str) -> None:
+        _end(self)
+        _state.troubles[self.scatter.uid] = why
+
+    def _stopped(self, _why: str) -> None:
+        """A render or an operator took its place: it has its turn again afterward."""
+        _state.update = None
+        _state.schedule.change(self.scatter.uid)
+
 
 @dataclass
 class _State:
@@ -74,7 +98,7 @@ class _State:
 
     schedule: Schedule = field(default_factory=Schedule)
     changes: Changes = field(default_factory=Changes)
-    job: _Job | None = None
+    update: _Update | None = None
     caused: dict[int, Cause] = field(default_factory=dict)  # by which updates
     troubles: dict[int, str] = field(default_factory=dict)  # why a scatter could not be solved
     asked: dict[int, _Wish] = field(default_factory=dict)  # for a solution from the seed
@@ -85,9 +109,9 @@ _state = _State()
 
 def progress(obj: bpy.types.Object) -> float | None:
     """How much of a scatter's update is done, in [0, 1]; None: it waits for none."""
-    job = _state.job
-    if job is not None and job.scatter.uid == obj.session_uid:
-        return job.stepper.progress
+    update = _state.update
+    if update is not None and update.scatter.uid == obj.session_uid:
+        return update.job.progress
     return 0.0 if obj.session_uid in _state.schedule else None
 
 
@@ -127,7 +151,7 @@ def forget(obj: bpy.types.Object) -> None:
     """Discard the work on a scatter: it was solved otherwise."""
     _state.asked.pop(obj.session_uid, None)
     _state.schedule.forget(obj.session_uid)
-    if _state.job is not None and _state.job.scatter.uid == obj.session_uid:
+    if _state.update is not None and _state.update.scatter.uid == obj.session_uid:
         _give_up()
 
 
@@ -139,9 +163,19 @@ def cancel() -> None:
     redraw()
 
 
+def is_solving() -> bool:
+    """Whether some scatter is being solved now."""
+    return _state.update is not None and _state.update.job.is_running
+
+
+def has_noted() -> bool:
+    """Whether changes were noted that were not looked at yet."""
+    return _state.changes.any_noted()
+
+
 def is_active() -> bool:
     """Whether some scatter is updated, or waits for that."""
-    return _state.job is not None or bool(_state.schedule)
+    return _state.update is not None or bool(_state.schedule)
 
 
 def tick() -> float | None:
@@ -157,17 +191,17 @@ def _look() -> float | None:
         _step_aside()
         waits = is_active() or _state.changes.wait() is not None
         return (_TOOL if _state.changes.used_tool else _HELD) if waits else None
-    if enabled and _state.job is None:
+    if enabled and _state.update is None:
         _state.changes.glance()
     _spread()
     if _state.changes.take_end():
         _state.schedule.settle()
-    if _state.job is None:
+    if _state.update is None:
         _begin()
-    if _state.job is not None:
-        _go_on(_state.job)
-    if _state.job is not None:
-        return _POLL if _state.job.stepper.waits else 0.0
+    if _state.update is not None:
+        _go_on(_state.update)
+    if _state.update is not None:
+        return _POLL if _state.update.job.waits else 0.0
     return _rest()
 
 
@@ -180,7 +214,7 @@ def _rest() -> float | None:
 
 def _spread() -> None:
     """Note which scatters depend on what was changed."""
-    writes = _state.job.writes() if _state.job is not None else {}
+    writes = _state.update.writes() if _state.update is not None else {}
     for uid, cause in _state.changes.changed_scatters(writes):
         _change(uid, cause)
     for uid in (
@@ -194,7 +228,7 @@ def _change(uid: int, cause: Cause = NOBODY) -> None:
     _state.troubles.pop(uid, None)
     _state.caused[uid] = cause
     _state.schedule.change(uid)
-    if _state.job is not None and _state.job.scatter.uid == uid:
+    if _state.update is not None and _state.update.scatter.uid == uid:
         _give_up()
 
 
@@ -207,52 +241,37 @@ def _begin() -> None:
     wish = _state.asked.get(held.uid)
     if wish is not None or follows(obj):
         cause = _state.caused.pop(held.uid, NOBODY) | {held.uid}
-        drops_keys = wish is not None and wish.drops_keys
-        steps = optimize_steps(held, asked=wish is not None, drops_keys=drops_keys)
-        _state.job = _Job(held, Stepper(steps), cause, wish)
+        _state.update = _Update(held, cause, wish)
     else:
         _state.changes.pass_over(held.uid)
 
 
-def _go_on(job: _Job) -> None:
+def _go_on(update: _Update) -> None:
     try:
-        if not (job.wish and is_operated()) and job.stepper.run_for(_PART):
-            _done(job)
-    except Exception as error:
-        _fail(job)
-        _state.troubles[job.scatter.uid] = sentence("Optimize", error)
+        if not (update.wish and is_operated()):
+            update.job.go_on(_PART)
     except BaseException:
-        _fail(job)
+        _end(update)
         raise
-    _show(job)
+    _show(update)
 
 
-def _done(job: _Job) -> None:
-    _state.job = None
-    _state.asked.pop(job.scatter.uid, None)
-    if job.stepper.result:
-        _state.changes.wrote(job.writes())
-        follow_up(job.scatter.get(), job.wish.step if job.wish else "")
-    else:
-        _state.changes.wait_for_frame(job.scatter.get())
-
-
-def _fail(job: _Job) -> None:
-    _state.asked.pop(job.scatter.uid, None)
-    _give_up()
+def _end(update: _Update) -> None:
+    _state.update = None
+    _state.asked.pop(update.scatter.uid, None)
 
 
 def _give_up() -> None:
     """Forget what a worker still finds."""
-    job, _state.job = _state.job, None
-    if job is not None:
-        job.stepper.abandon()
+    update, _state.update = _state.update, None
+    if update is not None:
+        update.job.abandon()
 
 
-def _show(job: _Job) -> None:
-    hundredths = -1 if _state.job is None else int(100 * job.stepper.progress)
-    if hundredths != job.shown or _state.job is None:
-        job.shown = hundredths
+def _show(update: _Update) -> None:
+    hundredths = -1 if _state.update is None else int(100 * update.job.progress)
+    if hundredths != update.shown or _state.update is None:
+        update.shown = hundredths
         redraw()
 
 
@@ -283,41 +302,31 @@ def _undone() -> None:
         _wake()
 
 
-def reset() -> None:
+def reset(clock: Callable[[], float] = time.monotonic) -> None:
     """Forget all changes, updates and requests."""
     _give_up()
-    vars(_state).update(vars(_State()))
-
-
-def _render_began() -> None:
-    """The worker stops; the scatter has its turn again afterward."""
-    if _state.job is not None:
-        _state.schedule.change(_state.job.scatter.uid)
-        _give_up()
+    vars(_state).update(vars(_State(Schedule(clock))))
 
 
 def _step_aside() -> None:
-    """The same for operators; while the animation plays the worker may go on."""
-    if is_under_way():
-        _render_began()
+    """Leave the file to an operator; while the animation plays the worker may go on."""
+    if _state.update is not None and is_under_way():
+        _state.update.job.cancel()
 
 
 SUBSCRIBER = Subscriber(
     updated=_updated,
     frame_changed=_frame_changed,
     undone=_undone,
-    render_began=_render_began,
     before_load=reset,
     disabled=reset,
     ticks=(tick,),
 )
 
 
-def follow_up(obj: bpy.types.Object, step: str) -> None:
-    """Have the live preview start from there; what was asked for is an undo step of that name."""
+def follow_up(obj: bpy.types.Object) -> None:
+    """Have the live preview start from what was solved in the background."""
     preview.solved_anew(obj)
-    if step:
-        push_undo(step)
 
 
 def is_held() -> bool:

@@ -28,8 +28,8 @@ from ..surface.surroundings import picture_of
 Cause = frozenset[int]  # session_uids of scatters
 NOBODY: Cause = frozenset()
 _READ = {SURFACE, VALUES, AROUND}  # what a scatter is solved from
-_GLANCE = 1.0  # seconds between two glances, or more where they take long
-_RARELY = 20.0  # so much longer than a glance took is the pause
+GLANCE = 1.0  # seconds between two glances, or more where they take long
+RARELY = 20.0  # so much longer than a glance took is the pause
 
 
 @dataclass
@@ -43,7 +43,7 @@ class Pictures:
 
     def wait(self) -> float:
         """Seconds until the next glance."""
-        pause = max(_GLANCE, _RARELY * self._took)
+        pause = max(GLANCE, RARELY * self._took)
         return max(pause - (time.monotonic() - self._glanced), 0.0)
 
     def changed(self, images: list[bpy.types.Image]) -> set[int]:

@@ -8,9 +8,9 @@ from bpy.props import BoolProperty, EnumProperty
 
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps
-from ..base import jobs
-from ..base.jobs import Outcome
+from ..base import operator_jobs
 from ..base.object_handles import Held
+from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator
 from ..base.translation import operator_label, told
 from ..display import preview
@@ -152,14 +152,14 @@ class DAPPLE_OT_cancel_update(AllOrNothing, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        goes_on = auto_update.is_active() or jobs.current() is not None
+        goes_on = auto_update.is_active() or operator_jobs.current() is not None
         if not goes_on:  # then Esc means what it means without the add-on
             cls.poll_message_set(told("No points are being updated"))
         return goes_on
 
     def work(self, context: bpy.types.Context) -> None:
-        if jobs.current() is not None:
-            jobs.cancel()
+        if operator_jobs.current() is not None:
+            operator_jobs.cancel()
         else:
             auto_update.cancel()
 
@@ -173,10 +173,10 @@ class DAPPLE_OT_dismiss(AllOrNothing, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.object is not None and bool(jobs.notes(context.object))
+        return context.object is not None and bool(operator_jobs.notes(context.object))
 
     def work(self, context: bpy.types.Context) -> None:
-        jobs.dismiss(context.object)
+        operator_jobs.dismiss(context.object)
 
 
 CLASSES = (

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base import jobs
+from ..base import operator_jobs
 from ..base.labels import BUTTON, lines_of
 from ..base.translation import counted, told
 from ..freshness import findings
@@ -145,14 +145,14 @@ def baked_line(obj: bpy.types.Object) -> str:
 
 def draw_work(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """A bar while something goes on; else what is to be said of the active object's last work."""
-    work, obj = jobs.current(), context.object
+    work, obj = operator_jobs.current(), context.object
     if work is None:
         _end_bar(layout)
     else:
         row = layout.row(align=True)
-        row.progress(factor=work.stepper.progress, text=work.line())
+        row.progress(factor=work.job.progress, text=work.line())
         row.operator(DAPPLE_OT_cancel_update.bl_idname, text="", icon="X")
-    said = jobs.notes(obj) if obj is not None else []
+    said = operator_jobs.notes(obj) if obj is not None else []
     if not said:
         return
     row = layout.row()

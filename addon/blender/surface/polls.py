@@ -4,7 +4,7 @@
 import bpy
 
 from ...core.base.native import missing
-from ..base import jobs
+from ..base import operator_jobs
 from ..base.translation import operator_label, told
 from ..scatter.library import read_only
 from ..scatter.object import is_scatter
@@ -13,7 +13,7 @@ from .joining import chosen
 
 def free(cls: type[bpy.types.Operator]) -> bool:
     """Whether long work can begin: the package is there, and no other work goes on."""
-    work = jobs.current()
+    work = operator_jobs.current()
     if missing():
         cls.poll_message_set(missing())
     elif work is not None:

@@ -54,7 +54,7 @@ def _mismatch(obj: bpy.types.Object, context: bpy.types.Context) -> str:
         return ""
     with evaluated_mesh(obj, context.evaluated_depsgraph_get()) as mesh:
         seen, count = topology(mesh), len(mesh.vertices)
-    with _render_mesh(obj, context) as mesh:
+    with render_mesh(obj, context) as mesh:
         if topology(mesh) == seen:
             return ""
         rendered = len(mesh.vertices)
@@ -121,7 +121,7 @@ def _simplified(scene: bpy.types.Scene) -> bool:
 
 
 @contextmanager
-def _render_mesh(obj: bpy.types.Object, context: bpy.types.Context) -> Iterator[bpy.types.Mesh]:
+def render_mesh(obj: bpy.types.Object, context: bpy.types.Context) -> Iterator[bpy.types.Mesh]:
     """The mesh that a render would get, from a copy in a scene that is gone afterward."""
     copy, scene = obj.copy(), bpy.data.scenes.new("Dapple Render Topology")
     data = obj.data.copy() if obj.type in _CURVES else None

@@ -9,8 +9,8 @@ import numpy as np
 from ...core.base.steps import Steps, Task
 from ...core.tiles import tiled
 from ..base.all_or_nothing import all_or_nothing
-from ..base.jobs import Outcome
 from ..base.object_handles import Held
+from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, StepsOperator
 from ..base.translation import reported
 from ..freshness.concurrent_edits import check_points_kept, points_now

@@ -128,7 +128,7 @@ class Keyframes:
     _offset: int = 0  # of its triangles in the table of all
     _first_rows: list[int] = field(default_factory=list)  # first keys of all topologies
     _topology: str = ""
-    _last: tuple[int, Binding] | None = None
+    last: tuple[int, Binding] | None = None  # frame of the newest key, and its binding
     _waiting: list[_Waiting] = field(default_factory=list)
     _bare: bool = False  # whether no point was there on the last frame
     _triangles: list[Ints] = field(default_factory=list)
@@ -169,9 +169,9 @@ class Keyframes:
             self._table[frame, :3] = len(self._rows) - 1, 0, 0
             return
         self._end_topology()
-        self._last, self._bare = None, True
+        self.last, self._bare = None, True
         self._add_key(frame, placed)
-        self._last = None
+        self.last = None
 
     def _enter(self, surface: SurfaceArrays) -> int:
         """Index of the next frame, whose surface is noted."""
@@ -283,7 +283,7 @@ class Keyframes:
         self._triangles.append(np.column_stack([bound.faces, bound.face_corners]))
         self._topology, self._start = bound.topology, self._next
         if bound.rest is None:
-            self._last = None
+            self.last = None
         else:
             self._rest.append(_rest_of(bound))
 
@@ -305,15 +305,15 @@ class Keyframes:
     def _add_key(self, frame: int, placed: Placed) -> None:
         key = len(self._rows)
         self._table[frame, :3] = key, 0, 0
-        if self._last is not None:
-            begin, binding = self._last
+        if self.last is not None:
+            begin, binding = self.last
             for between in range(begin, frame):
                 self._table[between, :3] = key - 1, between - begin, frame - begin
             for waiting in self._waiting:
                 share = (waiting.frame - begin) / (frame - begin)
                 self.error.add(_distances(waiting, binding, placed.binding, share))
         self._waiting.clear()
-        self._last = frame, placed.binding
+        self.last = frame, placed.binding
         places = np.column_stack([placed.binding.barycentric[:, 1:], placed.binding.carry])
         self._rows.append((placed.faces + np.int32(self._offset), places.astype(np.float32)))
         self._gone.append(_single(placed.gone))

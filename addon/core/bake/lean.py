@@ -112,7 +112,7 @@ def steadied(then: Shown, axes: Floats, places: Floats) -> Floats:
     count = np.bincount(cell)[cell[rows]] - 1
     agree = np.linalg.norm(others, axis=(1, 2)) > _AGREE * math.sqrt(3.0) * np.maximum(count, 2)
     rows, around = rows[agree], _rotation(others[agree])
-    apart = _rotation_vectors(np.swapaxes(around, 1, 2) @ turned[rows])
+    apart = rotation_vectors(np.swapaxes(around, 1, 2) @ turned[rows])
     angle = np.linalg.norm(apart, axis=1)
     far = angle > MOST_APART
     if not far.any():
@@ -149,7 +149,7 @@ def _angles(one: Floats, other: Floats) -> Floats:
 def lean_to(axes: Floats, binding: Binding, vertices: Floats, normals: Normals) -> Floats:
     """Leans (n, 3) that give the instances of a binding these axes."""
     own = frames(binding, vertices, normals).axes(binding.carry)
-    return _rotation_vectors(np.swapaxes(own, 1, 2) @ axes)
+    return rotation_vectors(np.swapaxes(own, 1, 2) @ axes)
 
 
 def rotations(vectors: Floats) -> Floats:
@@ -164,7 +164,7 @@ def rotations(vectors: Floats) -> Floats:
     return found
 
 
-def _rotation_vectors(matrices: Floats) -> Floats:
+def rotation_vectors(matrices: Floats) -> Floats:
     """Their inverse, by the quaternions of the matrices: half turns have an axis too."""
     quaternions = _quaternions(matrices)
     sine = np.linalg.norm(quaternions[:, 1:], axis=1)

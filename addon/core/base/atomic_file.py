@@ -18,12 +18,12 @@ def replacing(path: Path, part: Path) -> Iterator[Path]:
     """
     try:
         yield part
-        _sync(part, os.O_RDWR)
+        sync(part, os.O_RDWR)
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
     if hasattr(os, "O_DIRECTORY"):  # not on Windows: flush the renaming too
-        _sync(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+        sync(path.parent, os.O_RDONLY | os.O_DIRECTORY)
 
 
 def part_of(path: Path) -> Path:
@@ -41,7 +41,7 @@ def _short(path: Path) -> str:
     return hashlib.blake2b(os.fsencode(path.name), digest_size=8).hexdigest()
 
 
-def _sync(path: Path, flags: int) -> None:
+def sync(path: Path, flags: int) -> None:
     handle = os.open(path, flags)
     try:
         os.fsync(handle)

@@ -196,6 +196,11 @@ def _free_thread() -> _Thread:
         return _Thread()
 
 
+def free_threads() -> int:
+    """How many threads wait for work."""
+    return len(_free)
+
+
 def end_free_threads() -> None:
     """End those that wait for work; one that is at work stays."""
     while _free:

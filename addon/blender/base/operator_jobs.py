@@ -1,0 +1,298 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The long work of an operator, done beside what the artist does: one at a time, from a timer.
+
+It reads and writes the file in the window and the scene in which it was begun. It pauses while
+Blender renders, plays or is operated, and while the artist looks for a frame. What has to stay as
+it is meanwhile is watched: a change of it ends the work, and nothing is written.
+"""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+
+from ...core.base.steps import Steps
+from . import artist, renders
+from .handlers import Evaluation, Subscriber
+from .jobs import Job
+from .object_handles import Held
+from .sidebars import redraw
+from .timers import call_within
+from .translation import operator_label, reported, told
+
+_POLL = 0.005  # seconds between two looks at the worker
+_PART = 0.03  # seconds of a look in which the artist waits
+PAUSED = 0.1  # seconds between two looks whether a pause is over
+REST = 1.0  # seconds without another frame, after which the artist has found the one to look at
+_SAID = 8.0  # seconds for which the status bar shows how it has ended
+
+Said = list[tuple[str, str]]  # (INFO, WARNING or ERROR, text)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was made, and what is to be said of it."""
+
+    obj: bpy.types.Object
+    said: Said = field(default_factory=list)
+
+
+@dataclass
+class Work:
+    """What is to be done."""
+
+    label: str  # of the operator, in English
+    about: Held  # the object in whose panel it is said how it ends
+    steps: Steps
+    done: Callable[[bpy.types.Context, Any, bpy.types.Object], Outcome]  # what follows
+    watched: dict[int, str] = field(default_factory=dict)  # what has to stay: names by session_uid
+    scene: int = 0  # its session_uid
+    window: int = 0  # its address
+    why: str = ""  # what has stopped it, if that was not the artist's wish
+    shown: str = ""
+    job: Job = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.job = Job(
+            self.label,
+            self.steps,
+            self._done,
+            self._failed,
+            self._stopped,
+            whole=False,
+            works_during_renders=True,
+        )
+
+    def line(self) -> str:
+        """How far it is, or why it pauses."""
+        work = operator_label(self.label)
+        why = pause()
+        if why:
+            return told("{work} pauses: {why}", work=work, why=why)
+        return told("{work}: {progress:.0%}", work=work, progress=self.job.progress)
+
+    def _done(self, result: Any) -> str:
+        outcome = self.done(bpy.context, result, self.about.get())
+        _end(outcome.obj.session_uid, outcome.said)
+        return self.label
+
+    def _failed(self, why: str) -> None:
+        _end(self.about.uid, [("ERROR", why)])
+
+    def _stopped(self, why: str) -> None:
+        first = [("WARNING", self.why)] if self.why else []
+        _end(self.about.uid, [*first, ("INFO", why)])
+
+
+@dataclass
+class _State:
+    """What the timer and the handlers share."""
+
+    work: Work | None = None
+    stepping: bool = False  # what changes now is changed by the work itself
+    frame_changed: float = 0.0  # by the artist, by the monotonic clock
+    notes: dict[int, Said] = field(default_factory=dict)  # how work has ended, by session_uid
+
+
+_state = _State()
+
+
+def current() -> Work | None:
+    """The work that goes on."""
+    return _state.work
+
+
+def begin(context: bpy.types.Context, work: Work) -> None:
+    """Do the first step now and the others from a timer; what is wrong at once is raised."""
+    _state.notes.pop(work.about.uid, None)
+    work.scene = context.scene.session_uid
+    work.window = context.window.as_pointer() if context.window else 0
+    _state.work, _state.frame_changed = work, 0.0
+    try:
+        with _own_changes():
+            work.job.begin()
+    except BaseException:
+        _leave()
+        raise
+    call_within(0.0, tick)
+    redraw()
+
+
+def cancel(why: str = "") -> None:
+    """Have the work end; nothing is written."""
+    if _state.work is not None:
+        _state.work.why = _state.work.why or why
+        _state.work.job.cancel()
+
+
+def notes(obj: bpy.types.Object) -> Said:
+    """How the last work on an object has ended, as far as there is something to say."""
+    return notes_of(obj.session_uid)
+
+
+def notes_of(uid: int) -> Said:
+    """The same of an object that may be gone, by its session_uid."""
+    return _state.notes.get(uid, [])
+
+
+def dismiss(obj: bpy.types.Object) -> None:
+    """Say no more how it has ended."""
+    _state.notes.pop(obj.session_uid, None)
+    redraw()
+
+
+def pause() -> str:
+    """Why nothing is read or written now; empty where nothing hinders that."""
+    if renders.busy():
+        return told("Blender renders")
+    if artist.is_playing():
+        return told("the animation plays")
+    if artist.is_operated() or artist.is_painting():
+        return told("another tool is used")
+    if artist.is_scrubbing() or time.monotonic() - _state.frame_changed < REST:
+        return told("the frame was changed")
+    return ""
+
+
+def tick() -> float | None:
+    """Go on; seconds until the next time, None to end."""
+    work = _state.work
+    if work is None:
+        return None
+    if renders.busy() or (pause() and not work.job.stepper.is_stopped):
+        _show(work)
+        return PAUSED
+    try:
+        with _where_it_began(work):
+            ended = _advance(work)
+    except BaseException:
+        _end(work.about.uid, [])
+        raise
+    if ended:
+        return None
+    _show(work)
+    return _POLL
+
+
+def _advance(work: Work) -> bool:
+    """As many steps as a look has time for; True when it has ended."""
+    if work.job.waits:
+        return False
+    if bpy.context.scene.session_uid != work.scene:
+        cancel(reported("Another scene is shown"))
+    for layer in _shown_layers():
+        layer.update()  # what the artist has changed is noticed as such
+    with _own_changes():
+        return work.job.go_on(_PART)
+
+
+@contextmanager
+def _own_changes() -> Iterator[None]:
+    _state.stepping = True
+    try:
+        yield
+        for layer in _shown_layers():
+            layer.update()
+    finally:
+        _state.stepping = False
+
+
+def _shown_layers() -> list[bpy.types.ViewLayer]:
+    """Those that Blender evaluates: what is changed counts in all of them."""
+    windows = bpy.context.window_manager.windows
+    return [bpy.context.view_layer, *(window.view_layer for window in windows)]
+
+
+@contextmanager
+def _where_it_began(work: Work) -> Iterator[None]:
+    """With the window of the work, as an operator has one; another one if that was closed."""
+    with bpy.context.temp_override(window=_window(work)):
+        yield
+
+
+def _window(work: Work) -> bpy.types.Window | None:
+    windows = list(bpy.context.window_manager.windows)
+    same = [window for window in windows if window.as_pointer() == work.window]
+    return next(iter([*same, *windows]), None)
+
+
+def _end(uid: int, said: Said) -> None:
+    """Show how the work has ended, in the panel of an object."""
+    _leave()
+    _state.notes[uid] = said
+    _write_status(" ".join(text for _, text in said))
+    if said:
+        call_within(_SAID, _clear_status)
+    redraw()
+
+
+def _leave() -> None:
+    """Stop the worker, and put back what was changed for a while."""
+    work, _state.work = _state.work, None
+    if work is not None:
+        work.job.close()
+
+
+def _show(work: Work) -> None:
+    line = work.line()
+    if line != work.shown:
+        work.shown = line
+        _write_status(told("{line}    Esc in the 3D View cancels", line=line))
+        redraw()
+
+
+def _write_status(text: str) -> None:
+    for window in bpy.context.window_manager.windows:
+        window.workspace.status_text_set(text or None)
+
+
+def _clear_status() -> None:
+    if _state.work is None:
+        _write_status("")
+
+
+def _updated(evaluation: Evaluation) -> None:
+    """End the work if the artist has changed what has to stay."""
+    work = _state.work
+    if work is None or _state.stepping or not work.watched:
+        return
+    for one in evaluation.updates:
+        name = work.watched.get(one.uid)
+        if one.is_edited and name is not None:
+            cancel(reported("'{name}' was changed", name=name))
+
+
+def _frame_changed(_evaluation: Evaluation) -> None:
+    if not _state.stepping:
+        _state.frame_changed = time.monotonic()
+
+
+def _undone() -> None:
+    """An undo may have brought back anything."""
+    _state.notes.clear()
+    if _state.work is not None and _state.work.watched:
+        cancel(reported("A step was undone or redone"))
+
+
+def _before_load() -> None:
+    _leave()
+    _state.notes.clear()
+    _write_status("")
+
+
+def _disabled() -> None:
+    _leave()
+    _state.notes.clear()
+
+
+SUBSCRIBER = Subscriber(
+    updated=_updated,
+    frame_changed=_frame_changed,
+    undone=_undone,
+    before_load=_before_load,
+    disabled=_disabled,
+    ticks=(tick, _clear_status),
+)
