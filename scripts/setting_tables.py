@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the add-on's tables of settings (addon/core/settings/tables.py) into docs/add-on.md.
+"""Writes the add-on's tables of settings (addon/core/settings/tables.py) into docs/add-on.md, and
+the types of their values for mypy into addon/core/settings/fields.pyi.
 
 Needs the package, whose options are settings too.
 
   scripts/setting_tables.py [--write]
 
-Without --write it says whether the page is to be written again, and fails if it is.
+Without --write it names the files that differ, and fails if there are any.
 """
 
 from __future__ import annotations
@@ -21,11 +22,13 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from addon.core.settings.descriptors import Changes, Kind, Setting  # noqa: E402 - the path is set first
+from addon.core.settings.fields import TABLES  # noqa: E402
 from addon.core.settings.instance_table import INSTANCES  # noqa: E402
 from addon.core.settings.solver_options import MOTION, SAMPLE, has_own_words  # noqa: E402
 from addon.core.settings.tables import GROUPS  # noqa: E402
 
 PAGE = ROOT / "docs/add-on.md"
+TYPES = ROOT / "addon/core/settings/fields.pyi"
 BEGIN, END = "<!-- tables of settings -->\n", "<!-- end of the tables -->\n"
 HEAD = [
     "| property | label | default | range | changes | meaning |",
@@ -107,19 +110,47 @@ def _bounds(low: Any, high: Any) -> str:
     return f"{known[0]}..{known[1]}"
 
 
+TYPES_HEAD = '''# SPDX-License-Identifier: GPL-3.0-or-later
+"""Types of fields.py. Written by scripts/setting_tables.py."""
+
+from dataclasses import dataclass
+
+from .descriptors import Setting
+
+TABLES: dict[str, tuple[str, list[Setting]]]
+'''
+NAMES = {
+    Kind.NUMBER: "float",
+    Kind.WHOLE: "int",
+    Kind.SWITCH: "bool",
+    Kind.MATERIALS: "tuple[str, ...]",
+}
+
+
+def types() -> str:
+    """The stub of addon/core/settings/fields.py."""
+    parts = [TYPES_HEAD]
+    for name, (what, settings) in TABLES.items():
+        fields = [f"    {one.field_name}: {NAMES.get(one.kind, 'str')} = ..." for one in settings]
+        head = ["", "@dataclass(frozen=True)", f"class {name}:", f'    """Settings {what}."""', ""]
+        parts.append("\n".join([*head, *fields, ""]))
+    return "".join(parts)
+
+
 def main(arguments: Sequence[str]) -> int:
     """The exit code."""
     if not set(arguments) <= {"--write"}:
         print(__doc__)
         return 2
-    before = PAGE.read_text(encoding="utf-8")
-    if written(before) == before:
-        return 0
-    print(PAGE.relative_to(ROOT))
-    if "--write" not in arguments:
-        return 1
-    PAGE.write_text(written(before), encoding="utf-8")
-    return 0
+    page = PAGE.read_text(encoding="utf-8")
+    stub = TYPES.read_text(encoding="utf-8") if TYPES.exists() else ""
+    wanted = {PAGE: (page, written(page)), TYPES: (stub, types())}
+    others = {path: now for path, (before, now) in wanted.items() if before != now}
+    for path, now in others.items():
+        print(path.relative_to(ROOT))
+        if "--write" in arguments:
+            path.write_text(now, encoding="utf-8")
+    return int(bool(others) and "--write" not in arguments)
 
 
 if __name__ == "__main__":

@@ -1,54 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the artist sets before a scatter is optimized; field names as in the native package.
 
-The fields are made from the tables of settings, with their defaults; only those are written here
-that are none of one setting alone. Data-blocks are there by their names.
+Fields that are one setting each come from the tables of settings (fields.py), with their defaults;
+the others are written here. Data-blocks are stored by their names.
 """
 
-import inspect
-from collections.abc import Callable, Iterable
-from dataclasses import Field, dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from dataclasses import dataclass
+from typing import Any
 
-from .density_table import DENSITY, settings_of_term
-from .descriptors import Changes, Setting
-from .instance_table import CLASS, TILES
-from .solver_options import MOTION, SAMPLE, TRACKED
-from .tables import SCATTER
-
-_Class = TypeVar("_Class", bound="_Values")
+from .density_table import settings_of_term
+from .fields import BakeFields, ClassFields, DensityFields, SolutionFields, TileFields
+from .solver_options import SAMPLE, TRACKED
 
 
-class _Values:
-    """A dataclass whose fields a type checker cannot know."""
-
-    if TYPE_CHECKING:
-        __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
-
-        def __init__(self, **values: Any) -> None: ...
-        def __getattr__(self, name: str) -> Any: ...
-
-
-def _fields_of(settings: Iterable[Setting]) -> Callable[[type[_Class]], type[_Class]]:
-    """Make a class a frozen dataclass with a field for each setting, before its own."""
-
-    def made(cls: type[_Class]) -> type[_Class]:
-        own = inspect.get_annotations(cls)
-        given = {one.field_name: one.default for one in settings if one.field_name not in own}
-        for name, default in given.items():
-            setattr(cls, name, default)
-        cls.__annotations__ = {name: type(default) for name, default in given.items()} | own
-        return dataclass(frozen=True)(cls)
-
-    return made
-
-
-def _that(settings: Iterable[Setting], changes: Changes) -> list[Setting]:
-    return [one for one in settings if one.changes is changes]
-
-
-@_fields_of(_that(CLASS, Changes.SOLUTION))
-class ClassSettings(_Values):
+@dataclass(frozen=True)
+class ClassSettings(ClassFields):
     """One object type among several."""
 
     count: int = 0  # exactly so many; 0: by its share
@@ -56,8 +22,8 @@ class ClassSettings(_Values):
     shrinks: bool = False  # where its discs would not fit: then its instances are smaller too
 
 
-@_fields_of(DENSITY)
-class DensitySettings(_Values):
+@dataclass(frozen=True)
+class DensitySettings(DensityFields):
     """Terms that are multiplied; none: the same density everywhere. Angles in radians."""
 
     def alone(self, term: str) -> "DensitySettings":
@@ -74,13 +40,13 @@ def materials_of(density: DensitySettings) -> tuple[str, ...]:
     return tuple(density.materials) if counts else ()
 
 
-@_fields_of(TILES)
-class TileSettings(_Values):
+@dataclass(frozen=True)
+class TileSettings(TileFields):
     """How tiles are cut; lengths in spacings of the points."""
 
 
-@_fields_of([*_that(SCATTER, Changes.SOLUTION), *SAMPLE, *MOTION])
-class Settings(_Values):
+@dataclass(frozen=True)
+class Settings(SolutionFields):
     """Options of one optimization."""
 
     per_area: float = 0.0  # points on a unit of area where the density is 1; 0: count holds
@@ -97,6 +63,6 @@ class Settings(_Values):
         return {name: getattr(self, name) for name in TRACKED}
 
 
-@_fields_of(_that(SCATTER, Changes.BAKE))
-class BakeSettings(_Values):
+@dataclass(frozen=True)
+class BakeSettings(BakeFields):
     """What only a bake takes; the solution that it begins with has no part in it."""

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A type checker knows the settings of the add-on."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+CODE = """
+from dataclasses import replace
+
+from addon.core.settings.values import ClassSettings, DensitySettings, Settings, TileSettings
+
+settings = Settings({keyword}=5, classes=(ClassSettings(count=3),))
+print(settings.{name}, settings.density.{of_density}, TileSettings().grout + 1.0)
+print(replace(settings, {keyword}=7), settings.classes[0].radius, DensitySettings().materials)
+"""
+
+
+def errors(keyword="count", name="merge_doubled", of_density="slope_from"):
+    """What mypy says of a module that uses settings by these names."""
+    code = CODE.format(keyword=keyword, name=name, of_density=of_density)
+    command = [sys.executable, "-m", "mypy", "--no-error-summary", "-c", code]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True).stdout
+
+
+@pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="mypy is not installed")
+def test_a_misspelled_setting_is_refused_by_mypy():
+    assert errors() == ""
+    assert '"Settings" has no attribute "merge_double"' in errors(name="merge_double")
+    assert '"DensitySettings" has no attribute "slope_form"' in errors(of_density="slope_form")
+    told = errors(keyword="counts")
+    assert 'Unexpected keyword argument "counts" for "Settings"' in told
+    assert 'Unexpected keyword argument "counts" for "replace"' in told
