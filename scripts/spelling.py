@@ -16,7 +16,9 @@ WORD_LISTS = (
     "scripts/spelling.py",
     "tests/python/test_spelling.py",
 )
-OTHER_LANGUAGES = "addon/translations/"  # tests/blender/test_translation.py looks at the English
+OTHER_LANGUAGES = (
+    "addon/translations/"  # tests/blender/settings/test_translation.py looks at the English
+)
 _VERBS = (  # without their -ise, -ised, -ising, -isation
     "capital character custom discret emphas equal final general initial local maxim memor "
     "minim modern normal optim organ parallel parameter parametr penal polygon priorit quant "

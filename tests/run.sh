@@ -224,12 +224,18 @@ thorough_parts() {
 real=''
 [ "$(system_name)" != debian-13 ] || real=1
 # Those that meet what packing could lose or change: wheel, files, folders, a process of its own.
-on_zip=(tests/blender/test_{addon,assets,bake,classes,command,density,docs,operators,presets,tiles,translation,window}.py)
+on_zip=(
+  tests/blender/test_{addon,docs,operators,window}.py tests/blender/{assets/test_assets,bake/test_bake,command/test_command}.py
+  tests/blender/{density/test_density,object_types/test_classes,presets/test_presets,settings/test_translation,tiles/test_tiles}.py
+)
 [ -z "$zip" ] || on_zip+=(tests/blender/test_package.py)
 if is_all || { [ -n "$only" ] && [ -z "$zip" ]; }; then on_zip=(tests/blender); fi
 slow_native='^(Consumer|Gradient|SamplerBands|Tracker)\.|RealMesh'
 slow_python=(tests/python/test_{animations,distribution,paper_report}.py)
-slow_blender=(tests/blender/test_{contents{,_bake,_kept},datablocks,examples,failures,farm,hostile,libraries,package,sidecar,undo}.py)
+slow_blender=(
+  tests/blender/test_{datablocks,examples,failures,hostile,libraries,package,undo}.py tests/blender/command/test_farm.py
+  tests/blender/{bake/test_contents_bake,bake/test_sidecar,freshness/test_contents,freshness/test_contents_kept}.py
+)
 
 [ -n "$zip" ] || scripts/setup.sh --dev
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')

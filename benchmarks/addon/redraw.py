@@ -56,7 +56,7 @@ def measure_redraw(sites: int, faces: int, rounds: int) -> dict[str, float]:
     arrays = read_mesh(surface)
     findings.at_once = panel_values.at_once = False
     vars(findings)["is_shown"] = lambda _: True
-    findings._PAUSE = findings._PATIENCE = 0.0
+    findings.PAUSE = findings.PATIENCE = 0.0
     taken: dict[str, float] = {}
     for baked in ("bound", "baked"):
         scatter = add_scatter(surface, arrays, sites)

@@ -21,7 +21,7 @@ _HOME = tempfile.mkdtemp(prefix="dapple-blender-")
 os.environ.setdefault("BLENDER_USER_RESOURCES", _HOME)  # never the user's own settings
 import bpy  # noqa: E402 - after the environment is set, before Blender's own modules
 
-sys.path.insert(0, str(HERE))
+sys.path[:0] = [str(HERE), *(str(one) for one in HERE.iterdir() if one.is_dir())]
 import addon_host  # noqa: E402
 import following  # noqa: E402
 import pressing  # noqa: E402

@@ -40,8 +40,8 @@ RUN = {
         "cpp": (1, "tests/consumer, test_module.py"),
     },
     "docs/farm.md": {
-        "sh": (3, "tests/blender/test_command.py, test_farm.py"),
-        "json": (1, "tests/blender/test_command.py"),
+        "sh": (3, "tests/blender/command/test_command.py, test_farm.py"),
+        "json": (1, "tests/blender/command/test_command.py"),
     },
     "docs/large.md": {"python": (2, "here")},
     "docs/masks.md": {"sh": (1, "here"), "python": (1, "here")},

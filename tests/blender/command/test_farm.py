@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import scenes
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 OPENJD, FLAMENCO = (ROOT / "packaging" / "farm" / name for name in ("openjd", "flamenco"))
 FRAMES, LONG = 5, 40
 PATIENCE = 900  # seconds for a process on a busy machine

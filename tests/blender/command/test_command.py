@@ -17,7 +17,7 @@ import pytest
 import scenes
 
 FRAMES = 6
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[3] / "docs"
 
 
 def command(*arguments):

@@ -14,7 +14,7 @@ import pytest
 import scenes
 from test_panels import Layout
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 KINDS = ("Bound Point", "Instances", "Level of Detail", "Points", "Rest Point", "Scatter")
 NAMES = [f"Dapple {name}" for name in KINDS]
 NAMES += ["Dapple Viewport"]
