@@ -217,10 +217,11 @@ def _spread() -> None:
     writes = _state.update.writes() if _state.update is not None else {}
     for uid, cause in _state.changes.changed_scatters(writes):
         _change(uid, cause)
-    for uid in (
-        _state.asked.keys() - _state.changes.known_scatters()
-    ):  # an undo may have removed them
+    there = _state.changes.known_scatters()
+    for uid in _state.asked.keys() - there:  # an undo may have removed them
         del _state.asked[uid]
+    if _state.update is not None and _state.update.scatter.uid not in there:
+        _give_up()
 
 
 def _change(uid: int, cause: Cause = NOBODY) -> None:

@@ -420,6 +420,8 @@ def test_a_scatter_that_is_removed_meanwhile_is_forgotten(live, obj):
     long(obj)
     assert live.begin()
     bpy.data.objects.remove(obj)
+    live.look()
+    assert not live.watcher.is_solving()
     assert live.settle() == 0
 
 
