@@ -26,6 +26,11 @@ done
   fail "$to/extension is in the way: --to needs a folder that only this script writes to"
 [ "$(uname -sm)" = 'Linux x86_64' ] || fail "this machine is $(uname -sm); packages are made for Linux x86_64"
 
+python_tag=$("$python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
+for other in "${others[@]}"; do
+  [[ ${other##*/} != *-"$python_tag"-* ]] || fail "${other##*/}: there is another wheel for $python_tag"
+done
+
 umask 022
 export SOURCE_DATE_EPOCH=315532800 # the first day that a zip can hold, so that contents alone decide the bytes
 work=$(mktemp -d)

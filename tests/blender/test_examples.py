@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import addon_host
@@ -36,12 +37,16 @@ print("shown", sum(one.is_instance for one in depsgraph.object_instances))
 """
 
 
+def write(name, count, folder):
+    run(name, "--count", count, "--width", 0, "--out", folder)
+
+
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
     """Folder with what every example writes; a picture of none."""
     folder = tmp_path_factory.mktemp("examples")
-    for name, count in COUNTS.items():
-        run(name, "--count", count, "--width", 0, "--out", folder)
+    with ThreadPoolExecutor(2) as workers:
+        list(workers.map(lambda one: write(*one, folder), COUNTS.items()))
     return folder
 
 

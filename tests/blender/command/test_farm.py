@@ -20,7 +20,7 @@ import scenes
 
 ROOT = Path(__file__).parents[3]
 OPENJD, FLAMENCO = (ROOT / "packaging" / "farm" / name for name in ("openjd", "flamenco"))
-FRAMES, LONG = 5, 40
+FRAMES, LONG = 5, 24
 PATIENCE = 900  # seconds for a process on a busy machine
 TEMPLATES = sorted(OPENJD.glob("*.yaml"))
 
@@ -81,10 +81,10 @@ def killed_in_the_middle(blender, path):
     return len(list(kept.rglob("frame_*.npz")))
 
 
-def test_six_shots_in_three_processes_one_of_them_killed_are_those_of_a_single_run(
+def test_four_shots_in_three_processes_one_of_them_killed_are_those_of_a_single_run(
     tmp_path, blender
 ):
-    made = shots(tmp_path / "single", [LONG, *[FRAMES] * 5])
+    made = shots(tmp_path / "single", [LONG, *[FRAMES] * 3])
     shutil.copytree(tmp_path / "single", tmp_path / "farm")
     for path in made:
         bpy.ops.wm.open_mainfile(filepath=str(path))
@@ -94,7 +94,7 @@ def test_six_shots_in_three_processes_one_of_them_killed_are_those_of_a_single_r
     with ThreadPoolExecutor(3) as workers:
         kept = workers.submit(killed_in_the_middle, blender, first)
         codes = list(workers.map(lambda path: finished(bake(blender, path)), others))
-    assert [code for code, _ in codes] == [0] * 5, codes
+    assert [code for code, _ in codes] == [0] * 3, codes
     assert 2 <= kept.result() < LONG
     assert first.read_bytes() == before
     code, said = finished(bake(blender, first, "--json", tmp_path / "report.json"))

@@ -156,7 +156,8 @@ def test_without_a_memory_or_the_setting_the_points_fit_too(live, obj, forget):
 
 @pytest.mark.parametrize("change", ["seed", "classes", "faces", "tolerance"])
 def test_what_cannot_be_kept_is_solved_anew(live, obj, change):
-    surface = obj.dapple.surface
+    surface, obj.dapple.max_evaluations = obj.dapple.surface, 20
+    assert live.settle() == 1
     if change == "classes":
         bpy.ops.dapple.edit_classes(action="ADD")
         obj.dapple.classes[0].radius = 0.01
