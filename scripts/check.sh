@@ -41,7 +41,9 @@ find_files() {
 }
 mapfile -t cxx < <(find_files '.*\.[ch]pp' native tests benchmarks)
 mapfile -t python_folders < <(for d in native/python addon benchmarks blend_examples docs scripts tests; do [ ! -d $d ] || echo $d; done)
-mapfile -t typed < <(find_files '.*\.pyi?' native/python addon benchmarks blend_examples docs scripts)
+# A stub speaks for the module beside it.
+mapfile -t typed < <(find_files '.*\.pyi?' native/python addon benchmarks blend_examples docs scripts |
+  while read -r file; do [ -f "${file}i" ] || echo "$file"; done)
 mapfile -t shell < <(find_files '.*\.sh' scripts tests blend_examples benchmarks)
 
 clang_format_check() {
