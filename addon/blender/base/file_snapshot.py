@@ -15,6 +15,7 @@ import bpy
 import numpy as np
 
 from ...nodes import inputs_of, put_inputs
+from .property_snapshot import Properties, custom_of, is_group, plain, put_custom_back
 from .quiet import quiet
 
 _LISTS = (
@@ -94,13 +95,8 @@ def _reached(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Object]:
 
 def _groups(obj: bpy.types.Object) -> list[str]:
     """Names of the properties of add-ons that an object has values of."""
-    names = [prop.identifier for prop in obj.bl_rna.properties if _is_group(prop)]
+    names = [prop.identifier for prop in obj.bl_rna.properties if is_group(prop)]
     return [name for name in names if obj.is_property_set(name)]
-
-
-def _is_group(prop: bpy.types.Property) -> bool:
-    group = bpy.types.PropertyGroup.bl_rna
-    return prop.type in {"POINTER", "COLLECTION"} and prop.fixed_type.base == group
 
 
 def _named(group: bpy.types.PropertyGroup) -> list[bpy.types.Object]:
@@ -111,7 +107,7 @@ def _named(group: bpy.types.PropertyGroup) -> list[bpy.types.Object]:
         value = getattr(group, prop.identifier)
         if isinstance(value, bpy.types.Object):
             found.append(value)
-        elif _is_group(prop):
+        elif is_group(prop):
             for one in value if prop.type == "COLLECTION" else [value]:
                 found += _named(one)
     return found
@@ -129,7 +125,7 @@ class _View:
         self._time = scene.frame_current, scene.frame_subframe
         self._cursor = tuple(scene.cursor.location)
         self._values = [
-            (owner, {name: _plain(getattr(owner, name)) for name in names})
+            (owner, {name: plain(getattr(owner, name)) for name in names})
             for owner, names in (
                 (context.tool_settings, _TOOLS),
                 (scene.render, _RENDER),
@@ -157,7 +153,7 @@ class _View:
             scene.cursor.location = self._cursor
         for owner, values in self._values:
             for name, value in values.items():
-                if _plain(getattr(owner, name)) != value:
+                if plain(getattr(owner, name)) != value:
                     setattr(owner, name, value)
 
     def put_mode_back(self) -> None:
@@ -177,14 +173,14 @@ class _Object:
     def __init__(self, obj: bpy.types.Object, written: bool) -> None:
         self._obj = obj
         self._hidden = _hidden(obj)
-        self._own = _Struct(obj, _LEFT, groups=False)
-        self._groups = {name: _Struct(getattr(obj, name)) for name in _groups(obj)}
-        self._keys = _custom(obj)
+        self._own = Properties(obj, _LEFT, groups=False)
+        self._groups = {name: Properties(getattr(obj, name)) for name in _groups(obj)}
+        self._keys = custom_of(obj)
         self._modifiers = [_Modifier(one) for one in obj.modifiers]
         self._vertex_groups = {group.name for group in obj.vertex_groups}
         self._active_group = obj.vertex_groups.active_index
         other = obj.type != "MESH" and obj.data is not None
-        self._data = _Struct(obj.data, _LEFT, groups=False) if other else None
+        self._data = Properties(obj.data, _LEFT, groups=False) if other else None
         mesh = obj.data if obj.type == "MESH" else None
         self._points = None
         if mesh is not None and mesh.library is None and (written or not len(mesh.polygons)):
@@ -199,7 +195,7 @@ class _Object:
                 obj.property_unset(name)
         self._own.put_back()
         self._put_modifiers_back()  # which update functions of the properties may have written
-        _put_custom_back(obj, self._keys)
+        put_custom_back(obj, self._keys)
         for group in [one for one in obj.vertex_groups if one.name not in self._vertex_groups]:
             obj.vertex_groups.remove(group)
         if len(obj.vertex_groups) and obj.vertex_groups.active_index != self._active_group:
@@ -235,7 +231,7 @@ def _hidden(obj: bpy.types.Object) -> bool | None:
 class _Modifier:
     def __init__(self, modifier: bpy.types.Modifier) -> None:
         self.name = modifier.name
-        self._own = _Struct(modifier, {"name", "is_active"}, groups=False)
+        self._own = Properties(modifier, {"name", "is_active"}, groups=False)
         is_group = modifier.type == "NODES" and modifier.node_group is not None
         self._inputs = inputs_of(modifier) if is_group else {}
 
@@ -249,7 +245,7 @@ class _Points:
     """The geometry of a mesh, and its custom properties."""
 
     def __init__(self, obj: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
-        self._obj, self._mesh, self._keys = obj, mesh, _custom(mesh)
+        self._obj, self._mesh, self._keys = obj, mesh, custom_of(mesh)
         self._edited = self._copy = None
         if obj.mode == "EDIT":
             self._edited = bmesh.from_edit_mesh(mesh).copy()
@@ -258,7 +254,7 @@ class _Points:
 
     def put_back(self) -> None:
         mesh = self._mesh
-        _put_custom_back(mesh, self._keys)
+        put_custom_back(mesh, self._keys)
         if self._edited is not None:
             self._edited.to_mesh(mesh)
         elif self._copy is not None and _content(mesh) != _content(self._copy):
@@ -292,86 +288,3 @@ def _content(mesh: bpy.types.Mesh) -> dict[str, Any]:
         key = (attribute.data_type, attribute.domain, len(attribute.data))
         found[f"attribute {attribute.name}"] = (*key, values.tobytes())
     return found
-
-
-class _Struct:
-    """Values of a struct of Blender's, with those of property groups inside."""
-
-    def __init__(self, struct: Any, leave: Iterable[str] = (), groups: bool = True) -> None:
-        self._struct, self._groups = struct, groups
-        self._set: dict[str, Any] = {}  # values by name
-        self._unset: set[str] = set()  # of them those that were never set
-        self._inside: dict[str, _Struct] = {}
-        self._lists: dict[str, list[_Struct]] = {}
-        for prop in struct.bl_rna.properties:
-            name = prop.identifier
-            if name in leave or name == "rna_type":
-                continue
-            if _is_group(prop):
-                self._take_group(prop, groups)
-            elif not prop.is_readonly and prop.type != "COLLECTION":
-                self._set[name] = _plain(getattr(struct, name))
-                if groups and not struct.is_property_set(name):
-                    self._unset.add(name)
-
-    def _take_group(self, prop: bpy.types.Property, groups: bool) -> None:
-        name = prop.identifier
-        value: Any = getattr(self._struct, name) if groups else None
-        if groups and prop.type == "COLLECTION":
-            self._lists[name] = [_Struct(one) for one in value]
-        elif groups:
-            self._inside[name] = _Struct(value)
-
-    def put_back(self, struct: Any = None) -> None:
-        struct = self._struct if struct is None else struct
-        for name, inside in self._inside.items():
-            inside.put_back(getattr(struct, name))
-        for name, before in self._lists.items():
-            _put_list_back(getattr(struct, name), before)
-        for name, value in self._set.items():
-            lost = self._groups and name not in self._unset and not struct.is_property_set(name)
-            if lost or not _same(_plain(getattr(struct, name)), value):
-                with suppress(AttributeError, TypeError):  # what Blender computes
-                    setattr(struct, name, value)
-        for name in self._unset:
-            if struct.is_property_set(name):
-                struct.property_unset(name)
-
-
-def _put_list_back(items: Any, before: list[_Struct]) -> None:
-    while len(items) > len(before):
-        items.remove(len(items) - 1)
-    while len(items) < len(before):
-        items.add()
-    for item, one in zip(items, before, strict=True):
-        one.put_back(item)
-
-
-def _same(one: Any, other: Any) -> bool:
-    return one is other or repr(one) == repr(other)
-
-
-def _plain(value: Any) -> Any:
-    """A value that does not change with the file; data-blocks stay what they are."""
-    if isinstance(value, (bool, int, float, str, set, frozenset, bpy.types.ID)) or value is None:
-        return value
-    if hasattr(value, "to_dict"):
-        return value.to_dict()
-    if hasattr(value, "__len__"):
-        return tuple(_plain(one) for one in value)
-    return value
-
-
-def _custom(block: bpy.types.ID) -> dict[str, Any]:
-    """Custom properties, without those that add-ons have registered."""
-    registered = {prop.identifier for prop in block.bl_rna.properties}
-    return {name: _plain(block[name]) for name in set(block.keys()) - registered}
-
-
-def _put_custom_back(block: bpy.types.ID, before: dict[str, Any]) -> None:
-    now = _custom(block)
-    for name in now.keys() - before.keys():
-        del block[name]
-    for name, value in before.items():
-        if name not in now or not _same(now[name], value):
-            block[name] = value

@@ -15,7 +15,6 @@ from ...core.base.errors import StoppedError
 from ...core.base.steps import Stepper, Steps
 from .all_or_nothing import sentence
 from .handlers import Subscriber
-from .undo import push_undo
 
 _LONG = 3600.0  # seconds that a Blender without windows waits for a worker
 
@@ -130,3 +129,17 @@ def _disabled() -> None:
 
 
 SUBSCRIBER = Subscriber(render_began=_render_began, disabled=_disabled)
+
+_OWN_STEPS = ("EDIT", "SCULPT", "PAINT_TEXTURE")  # modes whose steps hold one object or image alone
+
+
+def push_undo(name: str) -> None:
+    """Make what was written a step of its own.
+
+    In modes whose steps would not hold it there is none: an undo there leaves it as it is, and one
+    beyond takes it back.
+    """
+    windows = bpy.context.window_manager.windows
+    with bpy.context.temp_override(window=windows[0] if windows else None):
+        if not bpy.context.mode.startswith(_OWN_STEPS):
+            bpy.ops.ed.undo_push(message=name)

@@ -235,7 +235,7 @@ def test_an_undo_meanwhile_begins_again_with_what_it_brings_back(live, obj):
 
 def test_in_edit_mode_of_another_mesh_there_is_no_step(live, obj, monkeypatch):
     pushed = []
-    undo = addon_host.part("blender.base.undo")
+    undo = addon_host.part("blender.base.jobs")
     live.settle()
     short(obj)
     live.watcher.ask(obj)
