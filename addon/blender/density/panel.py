@@ -39,8 +39,8 @@ _AVOIDED = [one for one in DENSITY if "obstacles" in (one.name, one.under)]
 _PLAIN = [
     one for one in DENSITY if not {one.name, one.under} & set(SWITCHES) and one not in _AVOIDED
 ]
-_MOST = 64
-_known: dict[tuple[int, str], bool] = {}  # by the surface's session_uid and its faces
+_MOST_KNOWN = 64
+_closed: dict[tuple[int, str], bool] = {}  # by the surface's session_uid and its faces
 
 
 class DAPPLE_PT_density(ScatterPanel, bpy.types.Panel):
@@ -185,14 +185,14 @@ def is_closed(obj: bpy.types.Object) -> bool:
     if surface is None:
         return False
     key = surface.session_uid, obj.dapple.surface_topology
-    if key not in _known:
-        while len(_known) >= _MOST:
-            del _known[next(iter(_known))]
-        _known[key] = _look(surface)
-    return _known[key]
+    if key not in _closed:
+        while len(_closed) >= _MOST_KNOWN:
+            del _closed[next(iter(_closed))]
+        _closed[key] = _has_no_border(surface)
+    return _closed[key]
 
 
-def _look(surface: bpy.types.Object) -> bool:
+def _has_no_border(surface: bpy.types.Object) -> bool:
     try:
         arrays = read_mesh(surface)
     except ScatterError:  # it says so elsewhere
