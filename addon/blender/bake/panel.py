@@ -15,7 +15,6 @@ from ..freshness.contents import frozen_note
 from ..freshness.unfinished_bakes import unsaved_note
 from ..scatter.object import follows_masks
 from ..scatter.panel import ScatterPanel, draw_in_header
-from ..solve.results_panel import baked_line
 from .operators import DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake
 
 
@@ -82,3 +81,20 @@ def _draw_work_files(layout: bpy.types.UILayout, known: findings.Findings | None
         lines_of(layout, text, "INFO")
     if known.unfinished or known.left_over:
         layout.operator(DAPPLE_OT_discard_bake.bl_idname, icon="TRASH")
+
+
+def baked_line(obj: bpy.types.Object) -> str:
+    """Which frames are baked, and what the frames without a key lose."""
+    settings, report = obj.dapple, obj.dapple.report
+    last = settings.baked_start + settings.baked_frames - 1
+    line = told("Baked: frames {first} to {last}", first=settings.baked_start, last=last)
+    if settings.baked_keys == settings.baked_frames:
+        return line
+    return told(
+        "{baked}, {keys} keyframes; between them points are off by {mean:.2g} spacings (at "
+        "most {most:.2g})",
+        baked=line,
+        keys=settings.baked_keys,
+        mean=report.key_error_mean,
+        most=report.key_error_max,
+    )

@@ -126,23 +126,6 @@ def _time(milliseconds: float) -> str:
     return f"{milliseconds:.0f} ms" if milliseconds < 1000.0 else f"{milliseconds / 1000.0:.1f} s"
 
 
-def baked_line(obj: bpy.types.Object) -> str:
-    """Which frames are baked, and what the frames without a key lose."""
-    settings, report = obj.dapple, obj.dapple.report
-    last = settings.baked_start + settings.baked_frames - 1
-    line = told("Baked: frames {first} to {last}", first=settings.baked_start, last=last)
-    if settings.baked_keys == settings.baked_frames:
-        return line
-    return told(
-        "{baked}, {keys} keyframes; between them points are off by {mean:.2g} spacings (at "
-        "most {most:.2g})",
-        baked=line,
-        keys=settings.baked_keys,
-        mean=report.key_error_mean,
-        most=report.key_error_max,
-    )
-
-
 def draw_work(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """A bar while something goes on; else what is to be said of the active object's last work."""
     work, obj = operator_jobs.current(), context.object

@@ -120,7 +120,7 @@ def test_keys_every_few_frames_play_and_their_error_is_told(tracked):
     assert report.key_error_max == pytest.approx(np.max(apart), rel=1e-3)
     assert report.key_error_mean == pytest.approx(np.mean(apart), rel=1e-3)
     assert report.key_error_max > 1e-3
-    line = addon_host.part("blender.solve.results_panel").baked_line(obj)
+    line = addon_host.part("blender.bake.panel").baked_line(obj)
     assert line.startswith("Baked: frames 1 to 6, 3 keyframes; between them points are off by ")
 
 
