@@ -12,7 +12,7 @@ from ..base.quiet import is_quiet
 from ..scatter.library import read_only
 from ..scatter.modifier import scatter_modifier, write_surface_inputs
 from ..scatter.object import is_scatter
-from ..surface.joined import Piece, copied_with, is_joined, pieces_of
+from ..surface.joined_parts import Piece, copied_with, is_joined, pieces_of
 
 
 @dataclass

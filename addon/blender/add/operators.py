@@ -14,7 +14,7 @@ from ..base.step_operators import OPTIONS, AllOrNothing, StepsOperator
 from ..base.translation import reported, told
 from ..scatter.object import rest_note
 from ..settings.making import with_arguments
-from ..surface.joining import put_on_selected, selected_beside
+from ..surface.joined_surface import put_on_selected, selected_beside
 from ..surface.polls import free, ready
 from .steps import add_steps
 

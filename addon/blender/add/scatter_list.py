@@ -18,7 +18,7 @@ from ..scatter.key_writing import clear_keys
 from ..scatter.library import open_collections, read_only
 from ..scatter.modifier import scatter_modifier
 from ..scatter.object import is_scatter, surface_of
-from ..surface.joined import is_joined, objects_of, parts_of
+from ..surface.joined_parts import is_joined, objects_of, parts_of
 
 
 def scatters_of(surface: bpy.types.Object) -> list[bpy.types.Object]:

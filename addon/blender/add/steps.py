@@ -21,7 +21,7 @@ from ..presets.stored import apply
 from ..scatter.store import new_scatter
 from ..solve.session_solutions import write_solved
 from ..surface.bound import rest_of
-from ..surface.joining import home_of, surface_over
+from ..surface.joined_surface import home_of, surface_over
 from ..surface.reading import as_read, read
 from ..surface.rest_position import kind_of_binding, rest_position, rest_position_kept
 

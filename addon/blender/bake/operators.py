@@ -14,7 +14,7 @@ from ..freshness import findings
 from ..freshness.unfinished_bakes import all_work_files, finished_files
 from ..scatter.key_writing import clear_keys
 from ..scatter.object import is_scatter
-from ..surface.joined import members_of
+from ..surface.joined_parts import members_of
 from ..surface.polls import ready, writable
 from .steps import bake_steps
 

@@ -15,7 +15,7 @@ from ..base.recent_objects import activate, latest_of
 from ..base.translation import english
 from ..scatter.library import read_only
 from ..scatter.object import is_scatter, surface_of
-from ..surface.joined import parts_of
+from ..surface.joined_parts import parts_of
 
 
 def painted_scatter(context: bpy.types.Context) -> bpy.types.Object | None:

@@ -19,7 +19,7 @@ from ..scatter.panel import ScatterPanel, draw_in_header
 from ..solve.panel import draw_amount
 from ..solve.results_panel import draw_result
 from ..surface.beside import by_full_name
-from ..surface.joined import parts_of
+from ..surface.joined_parts import parts_of
 from ..surface.mesh import read_mesh
 from ..surface.values import surface_materials
 from . import overlay

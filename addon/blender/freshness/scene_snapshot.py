@@ -29,7 +29,7 @@ from ..scatter.key_stores import key_tables, stores_of
 from ..scatter.object import settings_of
 from ..scatter.points import points_digest
 from ..surface.beside import own_objects
-from ..surface.joined import collections_of, members_of
+from ..surface.joined_parts import collections_of, members_of
 from ..surface.mesh import read_outline
 from ..surface.reading import value_digests
 from ..surface.surroundings import read_around

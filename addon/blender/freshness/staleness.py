@@ -15,7 +15,7 @@ from ..base.translation import counted, told
 from ..scatter.key_stores import frames, key_points
 from ..scatter.object import is_surface, settings_reason, solve_again
 from ..scatter.points import points_digest, touched_places
-from ..surface.joined import has_lost_some, is_joined, parts_of, pieces_of, wanted
+from ..surface.joined_parts import has_lost_some, is_joined, parts_of, pieces_of, wanted
 from .contents import contents, other_surface, solution_reason
 from .scene_snapshot import Looked, Present
 

@@ -22,7 +22,7 @@ from ..freshness.scene_snapshot import AROUND, SURFACE, VALUES, depends_on
 from ..scatter.library import is_in_view_layer, read_only
 from ..scatter.object import is_automatic, is_scatter
 from ..surface.images import picture_digest
-from ..surface.joined import collections_of
+from ..surface.joined_parts import collections_of
 from ..surface.surroundings import picture_of
 
 Cause = frozenset[int]  # session_uids of scatters

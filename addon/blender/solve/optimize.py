@@ -27,7 +27,7 @@ from ..scatter.object import is_fluid, settings_of
 from ..scatter.points import locked_points
 from ..scatter.store import write_figures
 from ..surface.bound import rest_of
-from ..surface.joining import surface_for
+from ..surface.joined_surface import surface_for
 from ..surface.reading import check_faces, read_steps
 from ..surface.rest_position import kind_of_binding, rest_position
 from .session_solutions import before_of, write_solved

@@ -11,7 +11,7 @@ from ..freshness.concurrent_edits import check_points_kept, points_now
 from ..scatter.object import settings_of
 from ..scatter.points import columns_with_own_ids, places_of
 from ..surface.bound import rest_of
-from ..surface.joining import surface_for
+from ..surface.joined_surface import surface_for
 from ..surface.reading import as_read, read
 from ..surface.rest_position import kind_of_binding, rest_position
 from .session_solutions import write_reattached

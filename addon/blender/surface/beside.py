@@ -14,7 +14,7 @@ from ...core.surface.arrays import Floats
 from ...core.surface.records import check_columns
 from ..base.mesh_arrays import matrix_of, read_points, to_world
 from ..scatter.object import is_scatter
-from .joined import parts_of
+from .joined_parts import parts_of
 from .played import points_now
 
 _MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}

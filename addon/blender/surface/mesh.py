@@ -24,7 +24,7 @@ from ..base.mesh_arrays import (
 from ..base.object_handles import Held
 from ..base.times import time_of
 from ..scatter.object import is_fluid
-from .joined import parts_of
+from .joined_parts import parts_of
 from .values import (
     GROUP_PART,
     all_group_weights,

@@ -8,7 +8,7 @@ from ..base import operator_jobs
 from ..base.translation import operator_label, told
 from ..scatter.library import read_only
 from ..scatter.object import is_scatter
-from .joining import chosen
+from .joined_surface import chosen
 
 
 def free(cls: type[bpy.types.Operator]) -> bool:

@@ -15,7 +15,7 @@ from ..base.object_handles import Held
 from ..base.translation import english
 from ..scatter.library import read_only
 from ..scatter.object import is_fluid
-from .joined import parts_of
+from .joined_parts import parts_of
 from .mesh import evaluated_mesh
 from .subdivision import check_render_topology, render_mismatch
 

@@ -19,7 +19,7 @@ from ..base.step_operators import OPTIONS, AllOrNothing
 from ..base.translation import Say, english, told
 from ..scatter.library import read_only
 from ..scatter.object import active_surface
-from .joined import parts_of
+from .joined_parts import parts_of
 from .mesh import evaluated_mesh, topology
 
 # Modifier type -> properties that the viewport and the render read.

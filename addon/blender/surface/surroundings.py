@@ -20,7 +20,7 @@ from ..base.object_handles import Held
 from ..scatter.object import is_scatter
 from .beside import check_targets, obstacles_of, read_lines, targets_of
 from .images import is_film, read_images
-from .joined import parts_of
+from .joined_parts import parts_of
 from .mesh import Parts, evaluated, mesh_parts, read_uv
 from .played import points_now
 

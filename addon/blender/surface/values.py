@@ -13,7 +13,7 @@ from ...core.base.errors import ScatterError
 from ...core.settings.values import MATERIAL
 from ...core.surface.arrays import Floats
 from ...core.surface.mesh_snapshot import RawValues
-from .joined import is_joined, parts_of
+from .joined_parts import is_joined, parts_of
 
 GROUP_PART = 5_000  # vertices
 

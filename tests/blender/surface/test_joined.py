@@ -533,7 +533,7 @@ def test_the_surface_of_a_scatter_is_made_of_other_objects():
     assert "dapple.surface_from_selected" in test_panels.drawn()
     with following.driven() as live:
         assert bpy.ops.dapple.surface_from_selected() == {"FINISHED"}
-        joined = addon_host.part("blender.surface.joined")
+        joined = addon_host.part("blender.surface.joined_parts")
         assert joined.parts_of(obj.dapple.surface) == [left, middle, right]
         assert "The points are on 'Left Surface'" in reason(obj)
         assert live.settle() == 1
@@ -679,7 +679,7 @@ def test_parts_that_are_exchanged_are_no_copies():
     bpy.context.view_layer.update()
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.surface != surface
-    assert set(addon_host.part("blender.surface.joined").parts_of(obj.dapple.surface)) == {
+    assert set(addon_host.part("blender.surface.joined_parts").parts_of(obj.dapple.surface)) == {
         left,
         right,
     }

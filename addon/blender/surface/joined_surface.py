@@ -17,7 +17,7 @@ from ..base.quiet import quiet
 from ..scatter.library import open_collections, read_only
 from ..scatter.modifier import scatter_modifier
 from ..scatter.object import is_scatter, is_surface, surface_of
-from .joined import (
+from .joined_parts import (
     SUFFIX,
     Piece,
     is_joined,

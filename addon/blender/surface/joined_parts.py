@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Joined surfaces: objects that have the meshes of several others as one, by a node group.
+"""Parts of a joined surface: an object that has the meshes of several others, by a node group.
 
 A scatter on several objects has such a surface, so that all else goes on knowing one object. It is
 in no collection: its parts are seen. Its list of parts is what the node group is built from.
