@@ -147,8 +147,8 @@ def main() -> None:
     made.dapple.density.image = plan()
     bpy.ops.dapple.optimize()
     made.dapple.instance = block
-    made.dapple.fit, made.dapple.scale = 1.0, 0.9  # no house cuts another
-    made.dapple.align, made.dapple.scale_randomness = 0.0, 0.25
+    made.dapple.fit_to_spacing, made.dapple.scale = 1.0, 0.9  # no house cuts another
+    made.dapple.align_to_normal, made.dapple.random_scale_down = 0.0, 0.25
     build_outdoors(given.width, given.width * 5 // 8, (1.7, -5.6, 2.5), (0.0, -0.1, 0.25), 44)
     report = made.dapple.report
     finish("city", given, f"{report.count} houses, area variation {report.capacity_variation:.4f}")

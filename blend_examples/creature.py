@@ -130,7 +130,7 @@ def scatter_studs(
     body: bpy.types.Object, stud: bpy.types.Object, count: int, seed: int
 ) -> bpy.types.Object:
     select(body)
-    bpy.ops.dapple.add(count=count, seed=seed)
+    bpy.ops.dapple.add_scatter(count=count, seed=seed)
     scatter = bpy.context.view_layer.objects.active
     scatter.dapple.instance = stud
     scatter.dapple.scale = STUD_SIZE * scatter.dapple.report.spacing

@@ -46,12 +46,12 @@ def first_minutes(things: dict[str, bpy.types.Object]) -> Story:
     window.only(())
     yield from scene_shot("start")
     with window.window():
-        bpy.ops.dapple.add("INVOKE_DEFAULT", count=400)
+        bpy.ops.dapple.add_scatter("INVOKE_DEFAULT", count=400)
     yield from until_told()
     yield from scene_shot("added")
     settings = bpy.context.object.dapple
     settings.auto_update_choice = "ON"
-    settings.instance, settings.scale_randomness = things["Pine"], 0.5
+    settings.instance, settings.random_scale_down = things["Pine"], 0.5
     window.only(("instances",))
     yield from window.until_shown()
     yield from scene_shot("instances")
@@ -72,7 +72,7 @@ def painting(ground: bpy.types.Object) -> Story:
     stroke(ground, np.clip((way - 0.4) / 0.7, 0.0, 1.0))
     yield from until_told()
     yield from scene_shot("painting")
-    bpy.ops.dapple.paint_done()
+    bpy.ops.dapple.finish_painting()
     yield from until_told()
     bpy.ops.dapple.show_density()
     yield from until_told()
@@ -96,13 +96,13 @@ def object_types(things: dict[str, bpy.types.Object]) -> Story:
         ("Pine", 4.0, 0.16, 1.0),
         ("Flower", 20.0, 0.0, 0.45),
     ):
-        bpy.ops.dapple.edit_classes(action="ADD")
-        kind = settings.classes[-1]
-        kind.name, kind.share, kind.radius, kind.scale = name, share, radius, scale
-        kind.instance, kind.scale_randomness = things[name], 0.3
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        kind = settings.object_types[-1]
+        kind.name, kind.weight, kind.radius, kind.scale = name, share, radius, scale
+        kind.instance, kind.random_scale_down = things[name], 0.3
     window.optimize()
     yield from until_told()
-    settings.class_index = 0
+    settings.object_type_index = 0
     yield from until_told()
     yield from scene_shot("object_types")
     yield from panel_shot("panel-1")
@@ -115,7 +115,7 @@ def characters() -> Story:
     look(6.2, (0.6, 0.5, 0.1), (0.40, -0.75, 0.45))
     window.only(("animation",))
     with window.window():
-        bpy.ops.dapple.add("INVOKE_DEFAULT", count=600)
+        bpy.ops.dapple.add_scatter("INVOKE_DEFAULT", count=600)
     yield from until_told()
     settings = bpy.context.object.dapple
     settings.instance, settings.scale = stud, 0.46 * settings.report.spacing

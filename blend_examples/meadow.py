@@ -144,14 +144,14 @@ def main() -> None:
     surface = ground()
     grass, petals, stone = tuft("Tuft", 11, 0.26, 0.16), flower(), rock()
     made = scatter(surface, given.count, given.seed)
-    common = {"align": 0.4, "scale_randomness": 0.5, "tilt": 0.25}
-    add_class(made, "Grass", instance=grass, share=0.84, density="Grass", **common)
-    add_class(made, "Flowers", instance=petals, share=0.15, density="Flowers", **common)
-    add_class(made, "Rocks", instance=stone, share=0.01, radius=0.1, scale=0.09, density="Rocks")
-    made.dapple.classes[2].scale_randomness = 0.5
+    common = {"align_to_normal": 0.4, "random_scale_down": 0.5, "random_tilt": 0.25}
+    add_class(made, "Grass", instance=grass, weight=0.84, density="Grass", **common)
+    add_class(made, "Flowers", instance=petals, weight=0.15, density="Flowers", **common)
+    add_class(made, "Rocks", instance=stone, weight=0.01, radius=0.1, scale=0.09, density="Rocks")
+    made.dapple.object_types[2].random_scale_down = 0.5
     bpy.ops.dapple.optimize()
     build_outdoors(given.width, given.width * 5 // 8, (0.35, -5.6, 1.9), (0.1, -0.3, 0.5), 36)
-    counts = np.bincount([v.value for v in made.data.attributes["dapple_class"].data])
+    counts = np.bincount([v.value for v in made.data.attributes["dapple_object_type"].data])
     finish("meadow", given, f"{' + '.join(map(str, counts))} tufts, flowers and rocks")
 
 

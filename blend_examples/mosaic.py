@@ -38,11 +38,11 @@ def build_box() -> bpy.types.Object:
 
 
 def build_tiles(mosaic: dapple.Mosaic) -> bpy.types.Object:
-    """One object; its faces carry the attributes cell and dapple_class, its walls are beveled."""
+    """One object with beveled walls; its faces have the attributes cell and dapple_object_type."""
     mesh = bpy.data.meshes.new("Tiles")
     corners = np.split(mosaic.corners, mosaic.starts[1:-1])
     mesh.from_pydata(mosaic.vertices, [], [row.tolist() for row in corners])
-    for name, values in (("cell", mosaic.sites), ("dapple_class", mosaic.classes)):
+    for name, values in (("cell", mosaic.sites), ("dapple_object_type", mosaic.classes)):
         mesh.attributes.new(name, "INT", "FACE").data.foreach_set("value", values)
     mesh.materials.append(color_by_chance("Glaze", "cell", "GEOMETRY", HUES, roughness=0.25))
     tiles = bpy.data.objects.new("Tiles", mesh)

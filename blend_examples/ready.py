@@ -60,7 +60,7 @@ def place(ready: Ready, k: int) -> bpy.types.Object:
     bpy.context.scene.collection.objects.link(obj)
     obj.asset_clear()
     bpy.context.view_layer.objects.active = obj
-    bpy.ops.dapple.place(surface=surface.name)
+    bpy.ops.dapple.place_scatter(surface=surface.name)
     return obj
 
 

@@ -92,7 +92,7 @@ def build(count: int, seed: int) -> bpy.types.Object:
     thing = scale()
     made = scatter(body, count, seed)
     made.dapple.quality = "REGULAR"
-    made.dapple.forward, made.dapple.turn_randomness = "-X", 0.06
+    made.dapple.forward, made.dapple.random_turn = "-X", 0.06
     made.dapple.instance, made.dapple.scale = thing, 0.78 * made.dapple.report.spacing
     bpy.ops.dapple.optimize()
     select(made)

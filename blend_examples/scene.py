@@ -113,14 +113,14 @@ def scatter(surface: bpy.types.Object, count: int, seed: int) -> bpy.types.Objec
     bpy.ops.object.select_all(action="DESELECT")
     surface.select_set(True)
     bpy.context.view_layer.objects.active = surface
-    bpy.ops.dapple.add(count=count, seed=seed)
+    bpy.ops.dapple.add_scatter(count=count, seed=seed)
     return bpy.context.object
 
 
 def add_class(made: bpy.types.Object, name: str, **values: Any) -> None:
     """One more class of a scatter."""
-    bpy.ops.dapple.edit_classes(action="ADD")
-    kind = made.dapple.classes[-1]
+    bpy.ops.dapple.edit_object_types(action="ADD")
+    kind = made.dapple.object_types[-1]
     kind.name = name
     for key, value in values.items():
         setattr(kind, key, value)

@@ -113,7 +113,7 @@ def sides(given: argparse.Namespace) -> list[Side]:
     other = distributed(body, stud, creature.STUD_SIZE * spacing)
     set_distance(other, given.count, spacing)
     creature.select(own)
-    own.dapple.bake_smoothing = "LOOP"
+    own.dapple.smoothing = "LOOP"
     bpy.ops.dapple.bake()
     made = [Side("Blender: Poisson Disk", other, []), Side("Dapple", own, [])]
     for frame in frames:

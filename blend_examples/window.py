@@ -36,7 +36,7 @@ def story() -> Story:
     yield from shot("1-start")
     bpy.context.view_layer.objects.active = ground
     with window():
-        bpy.ops.dapple.add("INVOKE_DEFAULT", count=600)
+        bpy.ops.dapple.add_scatter("INVOKE_DEFAULT", count=600)
     yield from until_idle()
     obj = bpy.context.object
     yield from shot("2-added")
@@ -48,8 +48,8 @@ def story() -> Story:
 def in_density(obj: bpy.types.Object) -> Story:
     only(("density",))
     density = obj.dapple.density
-    density.use_height, density.height_from, density.height_to = True, 0.02, 2.0
-    density.height_fade = 0.3
+    density.use_height, density.height_min, density.height_max = True, 0.02, 2.0
+    density.height_falloff = 0.3
     bpy.ops.dapple.show_density()
     yield from until_shown()
     yield from shot("3-density")
@@ -76,9 +76,9 @@ def details() -> Story:
 def in_classes(obj: bpy.types.Object) -> Story:
     only(("instances",))
     for name, share, radius, scale in (("Bush", 1.0, 0.13, 1.0), ("Grass", 8.0, 0.03, 0.6)):
-        bpy.ops.dapple.edit_classes(action="ADD")
-        kind = obj.dapple.classes[-1]
-        kind.name, kind.share, kind.radius, kind.scale = name, share, radius, scale
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        kind = obj.dapple.object_types[-1]
+        kind.name, kind.weight, kind.radius, kind.scale = name, share, radius, scale
         kind.instance = bpy.data.objects[name]
     optimize()
     yield from until_idle()
@@ -116,7 +116,7 @@ def scene() -> bpy.types.Object:
     ground = bpy.context.object
     ground.name, ground.color = "Hills", (0.35, 0.30, 0.24, 1)
     texture = bpy.data.textures.new("Hills", "CLOUDS")
-    texture.noise_scale = 1.3
+    texture.noise_size = 1.3
     displace = ground.modifiers.new("Hills", "DISPLACE")
     displace.texture = texture
     for frame, strength in ((1, 1.0), (12, 1.6)):

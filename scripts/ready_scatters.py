@@ -75,7 +75,7 @@ _BROWN = Look("Brown Cap", ((0.30, 0.14, 0.05), (0.46, 0.25, 0.10)), 0.5)
 _STEM = Look("Stem", ((0.72, 0.66, 0.54), (0.82, 0.77, 0.67)), 0.8)
 _DOTS = Look("Dots", ((0.88, 0.85, 0.78), (0.92, 0.90, 0.85)), 0.8)
 
-_UPRIGHT = {"align": 0.35, "tilt": 0.12}
+_UPRIGHT = {"align_to_normal": 0.35, "random_tilt": 0.12}
 
 READY = (
     Ready(
@@ -87,19 +87,19 @@ READY = (
                 "Grass",
                 (partial(shapes.tuft, 1, 16, 1.2), partial(shapes.tuft, 2, 13, 1.5)),
                 (_GRASS,),
-                {"share": 1.0, "scale": 1.7, **_UPRIGHT},
+                {"weight": 1.0, "scale": 1.7, **_UPRIGHT},
             ),
             Kind(
                 "Dry Grass",
                 (partial(shapes.tuft, 5, 11, 2.0),),
                 (_DRY,),
-                {"share": 0.25, "scale": 0.95, **_UPRIGHT},
+                {"weight": 0.25, "scale": 0.95, **_UPRIGHT},
             ),
             Kind(
                 "Flowers",
                 (partial(shapes.flower, 3, 3), partial(shapes.flower, 4, 2)),
                 (_GRASS, _PETAL, _MIDDLE),
-                {"share": 0.12, "scale": 0.7, **_UPRIGHT},
+                {"weight": 0.12, "scale": 0.7, **_UPRIGHT},
             ),
         ),
         {"count": 900},
@@ -116,7 +116,7 @@ READY = (
                     for seed, flat in ((1, 0.55), (2, 0.7), (3, 0.45), (4, 0.6))
                 ),
                 (_STONE,),
-                {"scale": 1.3, "tilt": 0.15},
+                {"scale": 1.3, "random_tilt": 0.15},
             ),
         ),
         {"count": 600},
@@ -130,7 +130,7 @@ READY = (
                 "Scale",
                 (shapes.plate,),
                 (_SCALE,),
-                {"scale": 1.85, "turn_randomness": 0.0, "scale_randomness": 0.05},
+                {"scale": 1.85, "random_turn": 0.0, "random_scale_down": 0.05},
             ),
         ),
         {"count": 700, "forward": "Y"},
@@ -139,7 +139,11 @@ READY = (
         "Studs",
         "Brass domes on washers, all of the same size where the surface is even",
         ("rivets", "studs", "metal"),
-        (Kind("Stud", (shapes.stud,), (_STEEL, _WASHER), {"scale": 0.8, "scale_randomness": 0.0}),),
+        (
+            Kind(
+                "Stud", (shapes.stud,), (_STEEL, _WASHER), {"scale": 0.8, "random_scale_down": 0.0}
+            ),
+        ),
         {"count": 350},
     ),
     Ready(
@@ -154,7 +158,12 @@ READY = (
                     for seed, tall, whorls in ((1, 4.4, 7), (2, 3.6, 6), (3, 5.2, 8))
                 ),
                 (_NEEDLES, _BARK),
-                {"scale": 1.4, "align": 0.0, "tilt": 0.04, "scale_randomness": 0.35},
+                {
+                    "scale": 1.4,
+                    "align_to_normal": 0.0,
+                    "random_tilt": 0.04,
+                    "random_scale_down": 0.35,
+                },
             ),
         ),
         {"count": 250},
@@ -173,7 +182,7 @@ READY = (
                     ),
                 ),
                 (_RED, _STEM, _DOTS),
-                {"share": 1.0, "scale": 0.95, "align": 0.5, "tilt": 0.2},
+                {"weight": 1.0, "scale": 0.95, "align_to_normal": 0.5, "random_tilt": 0.2},
             ),
             Kind(
                 "Brown Mushrooms",
@@ -186,7 +195,7 @@ READY = (
                     ),
                 ),
                 (_BROWN, _STEM),
-                {"share": 1.0, "scale": 0.8, "align": 0.5, "tilt": 0.2},
+                {"weight": 1.0, "scale": 0.8, "align_to_normal": 0.5, "random_tilt": 0.2},
             ),
         ),
         {"count": 200},
@@ -199,11 +208,11 @@ def build(ready: Ready) -> bpy.types.Object:
     obj = bpy.data.objects.new(ready.name, empty_mesh(ready.name))
     several = len(ready.kinds) > 1
     for kind in ready.kinds:
-        owner = obj.dapple.classes.add() if several else obj.dapple
+        owner = obj.dapple.object_types.add() if several else obj.dapple
         if several:
             owner.name = kind.name
         _instance(owner, kind)
-        for name, value in {"fit": 1.0, "scale_randomness": 0.3, **kind.values}.items():
+        for name, value in {"fit_to_spacing": 1.0, "random_scale_down": 0.3, **kind.values}.items():
             setattr(owner, name, value)
     for name, value in ready.values.items():
         setattr(obj.dapple, name, value)

@@ -38,7 +38,8 @@ PREFIXES = {
     "": "`scatter.dapple.`",
     "density": "`scatter.dapple.density.`",
     "tiles": "`scatter.dapple.tiles.`",
-    "classes": "`scatter.dapple.classes[k].`, an object type, beside those of its instances",
+    "object_types": "`scatter.dapple.object_types[k].`, an object type, beside those of its "
+    "instances",
 }
 CHANGES = {
     Changes.NOTHING: "",
@@ -68,7 +69,7 @@ def tables() -> str:
     instances = {one.name for one in INSTANCES}
     parts = []
     for group, prefix in PREFIXES.items():
-        left_out = instances if group == "classes" else options
+        left_out = instances if group == "object_types" else options
         settings = [one for one in GROUPS[group] if one.name not in left_out]
         parts.append(f"\n{prefix}\n\n{table(settings)}")
     return "".join(parts) + "\n"

@@ -14,7 +14,7 @@ from .base.translation import told
 from .density.panel import DAPPLE_MT_materials, DAPPLE_PT_density, draw_painting
 from .display.panel import DAPPLE_PT_display
 from .hand_points.panel import DAPPLE_PT_placement, draw_editing
-from .object_types.panel import DAPPLE_PT_instances, DAPPLE_UL_classes
+from .object_types.panel import DAPPLE_PT_instances, DAPPLE_UL_object_types
 from .presets.operators import draw_presets
 from .scatter.object import active_surface, is_scatter, rest_note
 from .scatter.panel import Panel
@@ -26,7 +26,7 @@ from .surface.subdivision import DAPPLE_OT_match_subdivision
 from .tiles.panel import DAPPLE_PT_tiles
 
 SUB_PANELS = (  # in the order in which the sidebar shows them
-    DAPPLE_UL_classes,
+    DAPPLE_UL_object_types,
     DAPPLE_MT_over_collection,
     DAPPLE_MT_materials,
     DAPPLE_PT_details,
@@ -76,7 +76,7 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     layout.prop(settings, "quality")
     layout.prop(settings, "auto_update")
     draw_result(layout, context, context.object)
-    if settings.bound_to == "FACES" and not rest_note(context.object):
+    if settings.attached_to == "FACES" and not rest_note(context.object):
         _draw_mismatch(layout, context, "ERROR")
 
 

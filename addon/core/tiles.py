@@ -47,7 +47,7 @@ def tiled(
     Raises:
         ScatterError: nothing is left of any of them.
     """
-    ids, classes = columns["id"], columns["dapple_class"]
+    ids, classes = columns["id"], columns["dapple_object_type"]
     with named(arrays.name):
         surface = package().Surface(arrays.vertices, arrays.faces, **shaded(arrays))
         samples = samples_of(binding, surface, ids, classes)
@@ -56,7 +56,7 @@ def tiled(
             surface,
             samples,
             grout=settings.grout * spacing,
-            insets=settings.inset_randomness * spacing * own_random(seed, ids, _INSET_STREAM),
+            insets=settings.random_inset * spacing * own_random(seed, ids, _INSET_STREAM),
             thickness=settings.thickness * spacing,
             context=context,
         )

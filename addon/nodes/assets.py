@@ -51,7 +51,7 @@ ASSETS = (
     ),
     Asset(
         "Instances an object, or random objects of a collection, on points, which may carry "
-        "rotation, scale, fade and dapple_class",
+        "rotation, scale, fade and dapple_object_type",
         ("instances",),
         INSTANCES,
     ),

@@ -24,7 +24,7 @@ def _build_instances() -> bpy.types.NodeTree:
             ("Collection", "NodeSocketCollection"),
             ("Spacing", "NodeSocketFloat"),
             ("Bounds", "NodeSocketBool"),
-            ("Fit", "NodeSocketFloat"),
+            ("Fit to Spacing", "NodeSocketFloat"),
             ("Weights", "NodeSocketString"),
         ],
         [("Instances", "NodeSocketGeometry")],
@@ -34,8 +34,8 @@ def _build_instances() -> bpy.types.NodeTree:
     count = b.count(several, "INSTANCES")
     some = b.compare("GREATER_THAN", count, 0)
     shape = b.switch("GEOMETRY", some, _one(b), several)
-    fits = b.compare("GREATER_THAN", b.input("Fit"), 0.0, "FLOAT")
-    fitted = inner(b, FITTING, shape, b.input("Fit")).outputs[0]
+    fits = b.compare("GREATER_THAN", b.input("Fit to Spacing"), 0.0, "FLOAT")
+    fitted = inner(b, FITTING, shape, b.input("Fit to Spacing")).outputs[0]
     pool = b.switch("GEOMETRY", fits, shape, fitted)
     pool = _repeated(b, pool, count, some)
     placed = b.out(
@@ -60,7 +60,9 @@ def _chosen(b: Builder) -> Socket:
     fade = b.attribute_or("fade", "FLOAT", "FLOAT", 1.0)
     there = b.compare("GREATER_THAN", fade, 0.0, "FLOAT")
     kind = b.input("Class")
-    mine = b.boolean("AND", there, b.compare("EQUAL", b.attribute("dapple_class", "INT"), kind))
+    mine = b.boolean(
+        "AND", there, b.compare("EQUAL", b.attribute("dapple_object_type", "INT"), kind)
+    )
     return b.switch("BOOLEAN", b.compare("LESS_THAN", kind, 0), mine, there)
 
 
@@ -85,7 +87,7 @@ def _scale(b: Builder, fits: Socket) -> Socket:
     room = b.attribute("dapple_room", "FLOAT")
     unknown = b.compare("LESS_EQUAL", room, 0.0, "FLOAT")
     room = b.switch("FLOAT", unknown, room, b.number("MULTIPLY", b.input("Spacing"), 0.5))
-    fitted = b.scaled(scale, b.number("POWER", room, b.input("Fit")))
+    fitted = b.scaled(scale, b.number("POWER", room, b.input("Fit to Spacing")))
     return b.switch("VECTOR", fits, scale, fitted)
 
 
@@ -119,14 +121,14 @@ def _build_fitting() -> bpy.types.NodeTree:
     What has no vertices keeps its size, as there is nothing to fit.
     """
     geometry = [("Instances", "NodeSocketGeometry")]
-    tree = new_group(FITTING.name, [*geometry, ("Fit", "NodeSocketFloat")], geometry)
+    tree = new_group(FITTING.name, [*geometry, ("Fit to Spacing", "NodeSocketFloat")], geometry)
     b = Builder(tree)
     shape = b.input("Instances")
     loose = b.compare("EQUAL", b.count(shape, "INSTANCES"), 0)
     shape = b.switch("GEOMETRY", loose, shape, b.out("GeometryNodeGeometryToInstance", shape))
     measured, radius = b.each("INSTANCE", shape, _radius)
     none = b.compare("LESS_EQUAL", radius, 0.0, "FLOAT")
-    factor = b.number("POWER", radius, b.number("MULTIPLY", b.input("Fit"), -1.0))
+    factor = b.number("POWER", radius, b.number("MULTIPLY", b.input("Fit to Spacing"), -1.0))
     factor = b.switch("FLOAT", none, factor, 1.0)
     b.output("Instances", b.out("GeometryNodeScaleInstances", measured, True, factor))
     b.arrange()

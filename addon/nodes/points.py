@@ -31,11 +31,11 @@ NUMBERS = (
     "Scale X",
     "Scale Y",
     "Scale Z",
-    "Scale Randomness",
-    "Scale Growth",
-    "Turn Randomness",
-    "Align",
-    "Tilt",
+    "Random Scale Down",
+    "Random Scale Up",
+    "Random Turn",
+    "Align to Normal",
+    "Random Tilt",
     "Density Scale",
     "Offset",
 )
@@ -53,13 +53,15 @@ def _build_points() -> bpy.types.NodeTree:
     played = _played(b, found.outputs["Geometry"], _shape(b, found))
     # What stands on the surface is turned once, by its own angle and the key's together.
     turn = b.attribute("dapple_turn", "FLOAT")
-    turn = b.number("MULTIPLY", turn, b.input("Turn Randomness"))
-    aligned = b.compare("EQUAL", b.input("Align"), 1.0, "FLOAT")
+    turn = b.number("MULTIPLY", turn, b.input("Random Turn"))
+    aligned = b.compare("EQUAL", b.input("Align to Normal"), 1.0, "FLOAT")
     early = b.switch("FLOAT", aligned, 0.0, turn)
     position, rotation, gone, room = _placed(b, found, played, early)
     position, rotation = _moved(b, found, played, position, rotation)
     position = _lifted(b, position, rotation)
-    stood = inner(b, POSTURE, rotation, turn, aligned, b.input("Align"), b.input("Tilt"))
+    stood = inner(
+        b, POSTURE, rotation, turn, aligned, b.input("Align to Normal"), b.input("Random Tilt")
+    )
     points = _with_attributes(b, position, stood.outputs["Rotation"], gone)
     points = _with_room(b, points, played, room)
     b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
@@ -191,8 +193,8 @@ def _size(b: Builder) -> Socket:
 
     The factor falls from 1 + growth to 1 - randomness with the point's own random number.
     """
-    own, growth = b.attribute("dapple_scale", "FLOAT"), b.input("Scale Growth")
-    less = b.number("MULTIPLY", own, b.number("ADD", b.input("Scale Randomness"), growth))
+    own, growth = b.attribute("dapple_scale", "FLOAT"), b.input("Random Scale Up")
+    less = b.number("MULTIPLY", own, b.number("ADD", b.input("Random Scale Down"), growth))
     chance = b.number("SUBTRACT", b.number("ADD", growth, 1.0), less)
     factor = b.number("MULTIPLY", b.input("Scale"), chance)
     factor = b.number("MULTIPLY", factor, b.attribute("fade", "FLOAT"))
@@ -212,15 +214,15 @@ def _build_posture() -> bpy.types.NodeTree:
             ("Rotation", "NodeSocketRotation"),
             ("Turn", "NodeSocketFloat"),
             ("Aligned", "NodeSocketBool"),
-            ("Align", "NodeSocketFloat"),
-            ("Tilt", "NodeSocketFloat"),
+            ("Align to Normal", "NodeSocketFloat"),
+            ("Random Tilt", "NodeSocketFloat"),
         ],
         [("Rotation", "NodeSocketRotation")],
     )
     b = Builder(tree)
     rotation = b.input("Rotation")
     rotation = b.switch("ROTATION", b.input("Aligned"), _upright(b, rotation), rotation)
-    straight = b.compare("EQUAL", b.input("Tilt"), 0.0, "FLOAT")
+    straight = b.compare("EQUAL", b.input("Random Tilt"), 0.0, "FLOAT")
     b.output("Rotation", b.switch("ROTATION", straight, _tilted(b, rotation), rotation))
     b.arrange()
     return tree
@@ -231,7 +233,7 @@ POSTURE = Group("Dapple Posture", _build_posture)
 
 def _upright(b: Builder, rotation: Socket) -> Socket:
     """From upright to the normal as Align says, then turned about itself."""
-    less = b.number("SUBTRACT", 1.0, b.input("Align"))
+    less = b.number("SUBTRACT", 1.0, b.input("Align to Normal"))
     up = (0.0, 0.0, 1.0)
     rotation = b.out("FunctionNodeAlignRotationToVector", rotation, less, up, axis="Z")
     return b.turned(rotation, b.input("Turn"))
@@ -242,7 +244,7 @@ def _tilted(b: Builder, rotation: Socket) -> Socket:
     angle = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), 1000.0)
     axis = b.out("ShaderNodeCombineXYZ", b.number("COSINE", angle), b.number("SINE", angle))
     chance = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 37.0))
-    angle = b.number("MULTIPLY", chance, b.input("Tilt"))
+    angle = b.number("MULTIPLY", chance, b.input("Random Tilt"))
     tilt = b.out("FunctionNodeAxisAngleToRotation", axis, angle)
     return b.out("FunctionNodeRotateRotation", rotation, tilt, rotation_space="LOCAL")
 

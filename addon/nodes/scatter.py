@@ -23,7 +23,7 @@ INSTANCE_INPUTS = [
     ("Instance", "NodeSocketObject"),
     ("Collection", "NodeSocketCollection"),
     *((name, "NodeSocketFloat") for name in NUMBERS),
-    ("Fit", "NodeSocketFloat"),
+    ("Fit to Spacing", "NodeSocketFloat"),
 ]
 KIND_INPUTS = [*INSTANCE_INPUTS, ("Weights", "NodeSocketString")]  # which no setting holds
 
@@ -123,7 +123,7 @@ def _instances(b: Builder, placed: Socket, kinds: list[int | None], boxes: Socke
 def _instanced(b: Builder, placed: Socket, kind: int | None, boxes: Socket) -> Socket:
     chosen = (b.input(input_name(name, kind)) for name in ("Instance", "Collection"))
     of, spacing = -1 if kind is None else kind, b.input("Spacing")
-    sized = (b.input(input_name(name, kind)) for name in ("Fit", "Weights"))
+    sized = (b.input(input_name(name, kind)) for name in ("Fit to Spacing", "Weights"))
     return inner(b, INSTANCES, placed, of, *chosen, spacing, boxes, *sized).outputs[0]
 
 
@@ -133,7 +133,7 @@ def _build_of_class() -> bpy.types.NodeTree:
     inputs = [("Class", "NodeSocketInt"), *((name, "NodeSocketFloat") for name in sockets)]
     tree = new_group(OF_CLASS.name, inputs, [(name, "NodeSocketFloat") for name in NUMBERS])
     b = Builder(tree)
-    here = b.compare("EQUAL", b.attribute("dapple_class", "INT"), b.input("Class"))
+    here = b.compare("EQUAL", b.attribute("dapple_object_type", "INT"), b.input("Class"))
     for name in NUMBERS:
         before, own = b.input(f"{name} So Far"), b.input(name)
         other = b.compare("NOT_EQUAL", own, b.input(f"{name} First"), "FLOAT")

@@ -4,7 +4,7 @@
 _OF_CLASSES = "0123456789 "  # at the end of a name: "Scale 2" is described as "Scale" is
 
 DEFAULTS = {
-    "Align": 1.0,
+    "Align to Normal": 1.0,
     "Class": -1,
     "Detail Distance": 20.0,
     "Detail Fade": 0.1,
@@ -23,7 +23,7 @@ DEFAULTS = {
     "Scale Z": 1.0,
     "Side": 1.0,
     "Spacing": 0.1,
-    "Turn Randomness": 1.0,
+    "Random Turn": 1.0,
 }
 
 INPUTS = {
@@ -68,21 +68,21 @@ INPUTS = {
     "Scale X": "Scale of the instances along their X axis",
     "Scale Y": "Scale of the instances along their Y axis",
     "Scale Z": "Scale of the instances along their Z axis",
-    "Scale Randomness": "Maximum random reduction of the scale",
-    "Scale Growth": "Maximum random enlargement of the scale. 1: up to twice as large",
-    "Turn Randomness": "Maximum random rotation around the normal, as a fraction of a full turn",
-    "Align": "Align instances with the surface normal (1) or with world Z (0)",
-    "Tilt": "Maximum angle by which instances lean in a random direction, in radians",
+    "Random Scale Down": "Maximum random reduction of the scale",
+    "Random Scale Up": "Maximum random enlargement of the scale. 1: up to twice as large",
+    "Random Turn": "Maximum random rotation around the normal, as a fraction of a full turn",
+    "Align to Normal": "Align instances with the surface normal (1) or with world Z (0)",
+    "Random Tilt": "Maximum angle by which instances lean in a random direction, in radians",
     "Density Scale": "How much smaller instances are where the density is lower; negative values "
     "make them larger",
     "Offset": "Distance of the instances from the surface along its normal; negative values sink "
     "them",
-    "Fit": "How far instances are scaled to the room of their points: 0 keeps their size, 1 makes "
-    "them touch their nearest like but not overlap it",
+    "Fit to Spacing": "How far instances are scaled to the room of their points: 0 keeps their "
+    "size, 1 makes them touch their nearest like but not overlap it",
     "Weights": "How often each object of the collection is picked, as the add-on writes it. Empty: "
     "all alike",
     "Points": "Points with the attributes rotation and scale; those whose fade is 0 are left out",
-    "Class": "Only instance on points with this dapple_class. Below 0: on all points",
+    "Class": "Only instance on points with this dapple_object_type. Below 0: on all points",
     "V": "Vertex of the surface, a corner of the triangle that the point lies in",
     "C": "Face corner of the surface at that vertex, whose normal the surface is shaded with",
     "W": "Weight of that vertex, a barycentric coordinate of the point",

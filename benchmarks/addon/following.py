@@ -56,14 +56,17 @@ def _surface(faces: int) -> bpy.types.Object:
 
 
 def _scatter(surface: bpy.types.Object, sites: int, types: int) -> bpy.types.Object:
-    bpy.ops.dapple.add(count=10)
+    bpy.ops.dapple.add_scatter(count=10)
     scatter = bpy.context.object
     scatter.dapple.auto_update_choice = "ON"
     scatter.dapple.amount, scatter.dapple.points_per_area = "PER_AREA", sites / 4.0
     scatter.dapple.density.attribute = _GROUP
     for weight, radius in TYPES[:types] if types > 1 else ():
-        bpy.ops.dapple.edit_classes(action="ADD")
-        scatter.dapple.classes[-1].share, scatter.dapple.classes[-1].radius = weight, radius
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        scatter.dapple.object_types[-1].weight, scatter.dapple.object_types[-1].radius = (
+            weight,
+            radius,
+        )
     bpy.ops.dapple.optimize()
     return scatter
 

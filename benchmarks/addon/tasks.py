@@ -94,7 +94,7 @@ def add(hand: Any) -> Story:
     body = scenes.tail(levels=1, render_levels=2)
     yield from shown(body)
     yield READY
-    yield from hand.press_button("dapple.add(")
+    yield from hand.press_button("dapple.add_scatter(")
     yield from hand_of.waited(lambda: bool(scatters()))
 
 
@@ -104,7 +104,7 @@ def paint(hand: Any) -> Story:
     yield from hand.press_button("dapple.paint_density(")
     yield from hand_of.waited(lambda: bpy.context.mode == "PAINT_WEIGHT")
     yield from stroke(hand)
-    yield from hand.press_button("dapple.paint_done(")
+    yield from hand.press_button("dapple.finish_painting(")
 
 
 def classes(hand: Any) -> Story:
@@ -112,13 +112,13 @@ def classes(hand: Any) -> Story:
     things = [thing(name) for name in ("Tree", "Bush")]
     yield READY
     for k, one in enumerate(things):
-        yield from hand.press_button("dapple.edit_classes(action='ADD')")
-        yield from hand_of.waited(lambda k=k: len(obj.dapple.classes) > k)
-        obj.dapple.classes[k].instance = one
-    yield from hand.slide("classes[1].fit")
-    yield from hand.press_button("dapple.class_index")
-    yield from hand_of.waited(lambda: obj.dapple.class_index == 0)
-    yield from hand.slide("classes[0].fit")
+        yield from hand.press_button("dapple.edit_object_types(action='ADD')")
+        yield from hand_of.waited(lambda k=k: len(obj.dapple.object_types) > k)
+        obj.dapple.object_types[k].instance = one
+    yield from hand.slide("object_types[1].fit_to_spacing")
+    yield from hand.press_button("dapple.object_type_index")
+    yield from hand_of.waited(lambda: obj.dapple.object_type_index == 0)
+    yield from hand.slide("object_types[0].fit_to_spacing")
 
 
 def distance(hand: Any) -> Story:
@@ -137,7 +137,7 @@ def bake(hand: Any) -> Story:
     body = scenes.tail(frames=24)
     yield from shown(body)
     with over_view():
-        bpy.ops.dapple.add("INVOKE_DEFAULT", count=400)
+        bpy.ops.dapple.add_scatter("INVOKE_DEFAULT", count=400)
     yield from hand_of.waited(lambda: bool(scatters()) and settled())
     yield READY
     yield from hand.press_button("dapple.bake(")
@@ -214,7 +214,7 @@ def on_ground() -> Story:
     ground.name = "Ground"
     yield from shown(ground)
     with over_view():
-        bpy.ops.dapple.add("INVOKE_DEFAULT", count=400)
+        bpy.ops.dapple.add_scatter("INVOKE_DEFAULT", count=400)
     yield from hand_of.waited(lambda: bool(scatters()) and settled())
     return scatters()[0]
 

@@ -13,7 +13,7 @@ from addon.blender.scatter.store import new_scatter, write_scattered
 from addon.core.bake.keys import Keyframes
 from addon.core.solve.solve import Report, Scattered, point_columns
 from addon.core.surface.arrays import SurfaceArrays
-from addon.core.surface.binding import bound_to
+from addon.core.surface.binding import attached_to
 from addon.core.surface.records import Placed
 
 
@@ -22,7 +22,7 @@ def add_scatter(
 ) -> bpy.types.Object:
     """A scatter with sites anywhere on a surface, perhaps in the order of its faces."""
     faces, weights = _places(arrays, sites, in_order)
-    binding = bound_to(arrays, faces, weights)
+    binding = attached_to(arrays, faces, weights)
     ids = np.arange(sites, dtype=np.int32)
     columns = point_columns(ids, np.zeros_like(ids), seed=0)
     positions = binding.positions(arrays.vertices)
@@ -60,6 +60,6 @@ def add_bake(
         leaving = slides & (random.random(sites) < 0.1)
         faces[leaving] = (faces[leaving] + 1) % len(arrays.faces)
         carry[leaving] += random.normal(0.0, 0.3, leaving.sum())
-        binding = replace(bound_to(arrays, faces, weights.copy()), carry=carry.copy())
+        binding = replace(attached_to(arrays, faces, weights.copy()), carry=carry.copy())
         keyframes.add(Placed(faces.copy(), binding), arrays, arrays, 0.01)
     write_baked(scatter, keyframes.packed(), 1, Report(count=sites, spacing=0.01))

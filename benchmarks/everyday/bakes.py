@@ -120,7 +120,7 @@ def fitted() -> Found:
     obj = scenes.scatter(surface, COUNT)
     bpy.ops.mesh.primitive_uv_sphere_add(radius=1.0, location=(9, 9, 9))
     obj.dapple.instance = bpy.context.object
-    obj.dapple.fit = 1.0
+    obj.dapple.fit_to_spacing = 1.0
     seconds = baked(obj)
     largest = 0.0
     for frame in frames():
@@ -159,8 +159,8 @@ def wandering_cube(obj: Any, _surface: Any) -> Forbidden:
     thing = scenes.moving(
         scenes.cube(0.6, (0, 0, 0)), (1, (-0.5, 0.0, 0.0)), (scenes.FRAMES, (0.5, 0.2, 0.0))
     )
-    obj.dapple.density.obstacles = scenes.collection_of(thing)
-    obj.dapple.density.obstacle_margin = 0.0
+    obj.dapple.density.avoid_collection = scenes.collection_of(thing)
+    obj.dapple.density.avoid_margin = 0.0
 
     def inside(places: np.ndarray, _frame: int) -> np.ndarray:
         middle = np.array(thing.matrix_world.translation)[:2]
@@ -203,8 +203,8 @@ def beside_another(obj: Any, surface: Any) -> Forbidden:
         scenes.cube(0.5, (0, 0, 0)), (1, (-0.4, 0.0, 0.0)), (scenes.FRAMES, (0.4, 0.0, 0.0))
     )
     other = scenes.scatter(body, 80)
-    obj.dapple.density.obstacles = scenes.collection_of(other)
-    obj.dapple.density.obstacle_margin = 0.05
+    obj.dapple.density.avoid_collection = scenes.collection_of(other)
+    obj.dapple.density.avoid_margin = 0.05
     return lambda places, _frame: (
         np.min(np.linalg.norm(places[:, None] - points(other)[0][None], axis=2), axis=1)
         < 0.05 - 1e-3
@@ -217,7 +217,7 @@ def crossing(make: Callable[[], Any], **limits: Any) -> Callable[[], Found]:
     def run() -> Found:
         surface = make()
         obj = scenes.scatter(surface, COUNT)
-        obj.dapple.on_topology_change = "REBIND"
+        obj.dapple.new_topology = "REATTACH"
         seconds = baked(obj)
         found = []
         for frame in list(frames())[5:]:
@@ -259,7 +259,7 @@ def built() -> Any:
 def tiled() -> Found:
     surface = scenes.body()
     obj = scenes.scatter(surface, 150)
-    bpy.ops.dapple.tile()
+    bpy.ops.dapple.make_tiles()
     tiles = next(
         each
         for each in bpy.data.objects
@@ -277,7 +277,7 @@ def tiled() -> Found:
 def turning() -> Found:
     surface = scenes.body()
     obj = scenes.scatter(surface, COUNT)
-    obj.dapple.forward, obj.dapple.turn_randomness = "Z", 0.0
+    obj.dapple.forward, obj.dapple.random_turn = "Z", 0.0
     seconds = baked(obj)
     last, fastest = None, 0.0
     for frame in frames():
@@ -302,18 +302,18 @@ def turning() -> Found:
 BAKES = (
     Job("a bake", bending()),
     Job("a bake with a painted group", painted, "a bake", 2.0),
-    Job("a loop", bending(bake_smoothing="LOOP"), "a bake", 4.0),
-    Job("smooth both ways", bending(bake_smoothing="BOTH_WAYS"), "a bake", 4.0),
+    Job("a loop", bending(smoothing="LOOP"), "a bake", 4.0),
+    Job("smooth both ways", bending(smoothing="BOTH_WAYS"), "a bake", 4.0),
     Job(
         "keep density",
-        bending(count_over_time="KEEP_DENSITY"),
+        bending(population="KEEP_DENSITY"),
         "a bake",
         2.0,
         variation=0.3,  # of those that do not fade: these leave gaps
     ),
     Job(
         "a key every 5 frames",
-        bending(key_every=5),
+        bending(keyframe_step=5),
         "a bake",
         2.0,
         variation=0.05,
@@ -329,7 +329,7 @@ BAKES = (
     Job("off a moving cube", on_ground(wandering_cube), "a bake", 4.0),
     Job(
         "off a moving cube, keep density",
-        on_ground(wandering_cube, count_over_time="KEEP_DENSITY"),
+        on_ground(wandering_cube, population="KEEP_DENSITY"),
         "a bake",
         4.0,
     ),

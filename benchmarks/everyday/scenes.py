@@ -52,7 +52,7 @@ def active(obj: Any) -> Any:
 
 def scatter(surface: Any, count: int) -> Any:
     active(surface)
-    bpy.ops.dapple.add(count=count)
+    bpy.ops.dapple.add_scatter(count=count)
     return bpy.context.object
 
 
@@ -60,18 +60,18 @@ def add_types(obj: Any, *kinds: tuple[int, float]) -> None:
     """Object types with an exact count and a radius; 0 counts share the rest."""
     for count, radius in kinds:
         active(obj)
-        bpy.ops.dapple.edit_classes(action="ADD")
-        kind = obj.dapple.classes[-1]
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        kind = obj.dapple.object_types[-1]
         kind.use_count, kind.count, kind.radius = count > 0, max(count, 1), radius
         thing = cube(0.01, (9.0, 9.0, 9.0))
-        thing.name = f"Thing {len(obj.dapple.classes) - 1}"
+        thing.name = f"Thing {len(obj.dapple.object_types) - 1}"
         kind.instance = thing
     active(obj)
 
 
 def radii_of(obj: Any, names: list[str]) -> np.ndarray:
     """Radii (n,) of instances by the names of their objects."""
-    known = {kind.instance.name: kind.radius for kind in obj.dapple.classes}
+    known = {kind.instance.name: kind.radius for kind in obj.dapple.object_types}
     return np.array([known[name] for name in names])
 
 

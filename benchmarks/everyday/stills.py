@@ -116,8 +116,8 @@ def masked(change: Callable[[Any, Any], Callable[[Any], Any]]) -> Callable[[], F
 
 
 def off_cube(obj: Any, _surface: Any) -> Callable[[Any], Any]:
-    obj.dapple.density.obstacles = scenes.collection_of(scenes.cube(0.8, (0.3, 0.2, 0.0)))
-    obj.dapple.density.obstacle_margin = 0.0
+    obj.dapple.density.avoid_collection = scenes.collection_of(scenes.cube(0.8, (0.3, 0.2, 0.0)))
+    obj.dapple.density.avoid_margin = 0.0
     return lambda places: (np.abs(places[:, :2] - (0.3, 0.2)) < 0.4 - 1e-4).all(axis=1)
 
 
@@ -129,13 +129,13 @@ def along_path(obj: Any, _surface: Any) -> Callable[[Any], Any]:
         point.co, point.handle_left_type, point.handle_right_type = (x, 0, 0), "VECTOR", "VECTOR"
     density = obj.dapple.density
     density.use_distance, density.distance_object = True, path
-    density.distance_to, density.distance_fade = 0.2, 0.0
+    density.distance_max, density.distance_falloff = 0.2, 0.0
     return lambda places: np.abs(places[:, 1]) > 0.2 + 0.05
 
 
 def near_border(obj: Any, _surface: Any) -> Callable[[Any], Any]:
     density = obj.dapple.density
-    density.use_border, density.border_to, density.border_fade = True, 0.3, 0.0
+    density.use_border, density.border_max, density.border_falloff = True, 0.3, 0.0
     return lambda places: np.abs(places[:, :2]).max(axis=1) < 0.7 - 0.05
 
 
@@ -181,7 +181,7 @@ def locked() -> Found:
     for vertex in obj.data.vertices:
         vertex.select = vertex.index < 50
     scenes.active(obj)
-    bpy.ops.dapple.lock()
+    bpy.ops.dapple.lock_points()
     obj.dapple.count = 700
     seconds = optimized(obj)
     after = points(obj)[0]
@@ -208,7 +208,7 @@ def exported(suffix: str) -> Callable[[], Found]:
         optimized(obj)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"points{suffix}"
-            bpy.ops.dapple.export(filepath=str(path))
+            bpy.ops.dapple.export_points(filepath=str(path))
             rows = _rows(path)
         return Found(wrong="" if rows == 500 else f"{rows} rows")
 
@@ -228,7 +228,7 @@ def preset() -> Found:
     bpy.ops.dapple.save_preset(name="everyday")
     other = scenes.scatter(scenes.grid(20), 100)
     bpy.ops.dapple.load_preset(name="everyday")
-    kinds = [(kind.count, round(kind.radius, 3)) for kind in other.dapple.classes]
+    kinds = [(kind.count, round(kind.radius, 3)) for kind in other.dapple.object_types]
     bpy.ops.dapple.remove_preset(name="everyday")
     return Found(wrong="" if kinds[:1] == [(50, 0.05)] and len(kinds) == 2 else f"types {kinds}")
 
@@ -237,7 +237,7 @@ def copied() -> Found:
     one, two = scenes.cube(1.0, (0, 0, 0)), scenes.cube(1.0, (2, 0, 0))
     scenes.active(one)
     two.select_set(True)
-    bpy.ops.dapple.add(count=200)
+    bpy.ops.dapple.add_scatter(count=200)
     obj = bpy.context.object
     for each in (one, two, obj):
         each.select_set(True)

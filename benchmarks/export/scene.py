@@ -22,10 +22,10 @@ def scattered(subdivided: bool) -> bpy.types.Object:
         things.objects.link(_cube(name, size))
     bpy.context.view_layer.objects.active = surface
     surface.select_set(True)
-    bpy.ops.dapple.add(count=COUNT)
+    bpy.ops.dapple.add_scatter(count=COUNT)
     scatter = bpy.context.object
     scatter.dapple.collection = things
-    scatter.dapple.scale_randomness = 0.5
+    scatter.dapple.random_scale_down = 0.5
     bpy.ops.dapple.bake()
     scene.frame_set(FRAMES[0])
     return scatter

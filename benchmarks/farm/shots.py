@@ -24,7 +24,7 @@ def make(folder: Path, shots: int, frames: int, sites: int) -> list[Path]:
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, frames
         _bent_ball(frames)
-        bpy.ops.dapple.add(count=sites, seed=seed)
+        bpy.ops.dapple.add_scatter(count=sites, seed=seed)
         bpy.ops.wm.save_as_mainfile(filepath=str(path))
     return paths
 

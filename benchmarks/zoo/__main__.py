@@ -59,7 +59,7 @@ def measured(case: Case) -> dict[str, Any]:
     figures: dict[str, Any] = {"name": case.name, "points": case.points}
     try:
         surface = bpy.context.object
-        bpy.ops.dapple.add(count=case.points)
+        bpy.ops.dapple.add_scatter(count=case.points)
         if case.attribute:
             bpy.context.object.dapple.density.attribute = case.attribute
             bpy.ops.dapple.optimize()

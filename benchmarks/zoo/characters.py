@@ -73,7 +73,7 @@ def measured(file: Path, action: str, frames: int, output: Path) -> dict[str, An
     """The figures of one character through one action."""
     say(f"{file.stem}, {action}")
     scene = _imported(file, action, frames)
-    bpy.ops.dapple.add(count=_POINTS)
+    bpy.ops.dapple.add_scatter(count=_POINTS)
     scatter = bpy.context.object
     surface = scatter.dapple.surface
     bpy.ops.dapple.bake()

@@ -23,7 +23,7 @@ def prepared():
     obj = scenes.scattered(surface, count=80)
     _small_renders()
     obj.dapple.auto_update_choice = "ON"
-    obj.dapple.density.attribute, obj.dapple.density.obstacles = "Grass", stones
+    obj.dapple.density.attribute, obj.dapple.density.avoid_collection = "Grass", stones
 
 
 def _small_renders():
@@ -61,7 +61,7 @@ def setting(chance):
 def density(chance):
     settings = scatter().dapple.density
     settings.use_height = chance.random() < 0.5
-    settings.height_from = chance.uniform(-0.6, 0.0)
+    settings.height_min = chance.uniform(-0.6, 0.0)
     settings.use_noise = chance.random() < 0.3
     settings.noise_strength = chance.uniform(0.2, 0.8)
 
@@ -69,7 +69,7 @@ def density(chance):
 def instances(chance):
     """What is solved from nothing of this."""
     settings = scatter().dapple
-    settings.fit, settings.scale = chance.choice([0.0, 1.0]), chance.uniform(0.5, 2.0)
+    settings.fit_to_spacing, settings.scale = chance.choice([0.0, 1.0]), chance.uniform(0.5, 2.0)
     settings.display_as = chance.choice(["INSTANCES", "BOUNDS"])
 
 
@@ -125,13 +125,13 @@ def classes(chance):
     """Added and removed; there is always one."""
     scenes.activate(scatter())
     action = chance.choice(["ADD", "REMOVE"])
-    if action == "ADD" or len(scatter().dapple.classes) > 1:
-        assert bpy.ops.dapple.edit_classes(action=action) == {"FINISHED"}
+    if action == "ADD" or len(scatter().dapple.object_types) > 1:
+        assert bpy.ops.dapple.edit_object_types(action=action) == {"FINISHED"}
 
 
 def lock(chance):
     scenes.activate(scatter())
-    assert bpy.ops.dapple.lock(lock=chance.random() < 0.5, every=True) == {"FINISHED"}
+    assert bpy.ops.dapple.lock_points(lock=chance.random() < 0.5, every=True) == {"FINISHED"}
 
 
 def frame(chance):

@@ -90,7 +90,7 @@ def activate(obj):
 def scattered(surface, count=60):
     """Scatter object on a surface, made by its operator."""
     activate(surface)
-    assert bpy.ops.dapple.add(count=count) == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=count) == {"FINISHED"}
     return bpy.context.object
 
 

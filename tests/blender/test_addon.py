@@ -39,7 +39,7 @@ addon_host.add_repository(addon_host.Path(tempfile.mkdtemp()))
 addon_host.enable()
 import scenes
 scenes.sphere()
-print(bpy.ops.dapple.add.poll(), addon_host.part("core.base.native").missing())
+print(bpy.ops.dapple.add_scatter.poll(), addon_host.part("core.base.native").missing())
 addon_host.disable()
 """
 
@@ -71,7 +71,7 @@ def test_enable_and_disable_again_and_again():
     for _ in range(3):
         addon_host.disable()
         assert not hasattr(bpy.types.Object, "dapple")
-        assert "DAPPLE_OT_add" not in dir(bpy.types)
+        assert "DAPPLE_OT_add_scatter" not in dir(bpy.types)
         addon_host.enable()
         assert hasattr(bpy.types.Object, "dapple")
     assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60
@@ -125,8 +125,8 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
     surface = re.findall(r"(merge_doubled): bool = (\w+)", package.Surface.__init__.__doc__)
     sample = dict([*found, *tracker, *surface])
     shown = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
-    assert settings.classes == ()  # sample_classes takes a list instead
-    assert shown["classes"].type == "COLLECTION"
+    assert settings.object_types == ()  # sample_classes takes a list instead
+    assert shown["object_types"].type == "COLLECTION"
     own = shown["density"].fixed_type.properties  # terms of a density
     for field in fields(settings.density):
         value = getattr(settings.density, field.name)
@@ -141,7 +141,7 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
         )
     for field in fields(settings):
         value = getattr(settings, field.name)
-        if field.name in ("classes", "density", "forward", "per_area"):
+        if field.name in ("object_types", "density", "forward", "per_area"):
             continue
         assert field.name in sample
         assert shown[field.name].default == pytest.approx(value, rel=1e-6)

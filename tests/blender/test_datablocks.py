@@ -47,7 +47,7 @@ def select(obj):
 
 
 @pytest.mark.parametrize("linked", [False, True])
-@pytest.mark.parametrize("action", ["clear_bake", "bake", "optimize", "rebind"])
+@pytest.mark.parametrize("action", ["clear_bake", "bake", "optimize", "reattach"])
 def test_what_is_done_to_a_copy_leaves_the_original_as_it_is(linked, action):
     obj = moving()
     expected = played(obj)
@@ -74,7 +74,7 @@ def test_what_is_done_to_the_original_leaves_a_linked_copy_as_it_is():
 def test_points_are_locked_on_one_of_two_linked_copies():
     obj = scenes.scattered(scenes.sphere())
     (copy,) = duplicated(obj, linked=True)
-    assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
+    assert bpy.ops.dapple.lock_points(every=True) == {"FINISHED"}
     assert (copy.dapple.locked_count, obj.dapple.locked_count) == (60, 0)
     assert not any(one.value for one in obj.data.attributes["dapple_locked"].data)
 
@@ -94,7 +94,7 @@ def test_points_that_a_bake_added_stay_with_the_original_of_a_linked_copy():
         surface.keyframe_insert("scale", frame=frame)
     bpy.context.scene.frame_end = 4
     obj = scenes.scattered(surface)
-    obj.dapple.count_over_time, obj.dapple.fade_frames = "KEEP_DENSITY", 1
+    obj.dapple.population, obj.dapple.fade_duration = "KEEP_DENSITY", 1
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     bpy.context.scene.frame_set(4)
     expected = scenes.positions(obj)
@@ -134,31 +134,31 @@ def test_a_scatter_copied_with_its_surface_sits_on_the_copy():
 
 def test_each_copy_has_tiles_of_its_own():
     obj = scenes.scattered(scenes.sphere())
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     first = obj.dapple.tiles.object
     first.modifiers.new("Bevel", "BEVEL")
     polygons = len(first.data.polygons)
     (copy,) = duplicated(obj)
     select(copy).count = 10
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     second = copy.dapple.tiles.object
     assert (obj.dapple.tiles.object, len(first.data.polygons)) == (first, polygons)
     assert second != first
     assert len(second.data.polygons) < polygons / 2
     assert second.modifiers.keys() == ["Dapple Tiles", "Bevel"]
     assert second.users_collection == copy.users_collection
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     assert copy.dapple.tiles.object == second
 
 
 def test_tiles_that_were_deleted_are_made_anew_where_they_are_seen():
     obj = scenes.scattered(scenes.sphere())
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     scenes.activate(obj.dapple.tiles.object)
     assert bpy.ops.object.delete() == {"FINISHED"}
     select(obj)
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     assert obj.dapple.tiles.object.name in bpy.context.view_layer.objects
 
 
@@ -171,7 +171,7 @@ def test_tiles_are_written_over_nothing_else():
     for wrong in (light, surface, obj, twin):
         obj.dapple.tiles.object = wrong
         with pytest.raises(RuntimeError, match=f"'{wrong.name}' cannot hold the tiles of"):
-            bpy.ops.dapple.tile()
+            bpy.ops.dapple.make_tiles()
         assert scenes.snapshot() == before
 
 
@@ -179,14 +179,14 @@ def test_a_preview_is_not_shared_with_a_copy():
     preview = addon_host.part("blender.display.preview")
     obj = scenes.scattered(scenes.tail(frames=8))
     obj.dapple.preview_budget = 60_000
-    assert bpy.ops.dapple.preview() == {"FINISHED"}
+    assert bpy.ops.dapple.live_preview() == {"FINISHED"}
     (copy,) = duplicated(obj)
-    assert bpy.ops.dapple.preview() == {"FINISHED"}
+    assert bpy.ops.dapple.live_preview() == {"FINISHED"}
     assert preview.is_on(copy)
     assert stored(copy, "Preview") != stored(obj, "Preview")
     for one in (copy, obj):
         select(one)
-        assert bpy.ops.dapple.preview() == {"FINISHED"}
+        assert bpy.ops.dapple.live_preview() == {"FINISHED"}
     assert stored(copy, "Preview") is stored(obj, "Preview") is None
     assert not [one for one in bpy.data.objects if one.name.endswith("Preview")]
 
@@ -194,7 +194,7 @@ def test_a_preview_is_not_shared_with_a_copy():
 @pytest.mark.parametrize("copied", [False, True])
 def test_a_preview_shows_what_was_solved_while_it_is_on(copied):
     obj = scenes.scattered(scenes.tail(frames=8))
-    assert bpy.ops.dapple.preview() == {"FINISHED"}
+    assert bpy.ops.dapple.live_preview() == {"FINISHED"}
     if copied:
         (obj,) = duplicated(obj)
     obj.dapple.seed = 5

@@ -64,9 +64,17 @@ def test_every_operator_and_property_is_told():
         assert f"`{name}(" in TEXT, f"no word of bpy.ops.dapple.{name}"
     groups = {"": scenes.scattered(scenes.sphere()).dapple}
     groups["density."], groups["tiles."] = groups[""].density, groups[""].tiles
-    internal = {"rna_type", "name", "classes", "class_index", "density", "tiles", "report"}
+    internal = {
+        "rna_type",
+        "name",
+        "object_types",
+        "object_type_index",
+        "density",
+        "tiles",
+        "report",
+    }
     options = addon_host.part("core.settings.values").Settings().sample_options()
-    stored = ("surface", "baked", "bound", "solved", "bake_fingerprint", "preview_budget")
+    stored = ("surface", "baked", "attached", "solved", "bake_fingerprint", "preview_budget")
     for prefix, group in groups.items():
         for name in set(group.bl_rna.properties.keys()) - internal:
             parts = name.removeprefix("slope_").removeprefix("height_")

@@ -42,14 +42,14 @@ SURFACES = [broken, faceless, rimmed]
 
 
 @pytest.mark.parametrize("spoil", SURFACES)
-@pytest.mark.parametrize("bind_to", ["AUTO", "FACES", "REST"])
-def test_add(spoil, bind_to):
+@pytest.mark.parametrize("attach_to", ["AUTO", "FACES", "REST"])
+def test_add(spoil, attach_to):
     surface = scenes.sphere()
     spoil(surface)
     bpy.context.view_layer.update()
     before = everything()
     with pytest.raises(RuntimeError, match="Sphere"):
-        bpy.ops.dapple.add(count=40, bind_to=bind_to)
+        bpy.ops.dapple.add_scatter(count=40, attach_to=attach_to)
     assert everything() == before
 
 
@@ -67,9 +67,9 @@ def negative(obj):
 
 
 def too_many(obj):
-    bpy.ops.dapple.edit_classes(action="ADD")
-    bpy.ops.dapple.edit_classes(action="ADD")
-    obj.dapple.classes[0].use_count, obj.dapple.classes[0].count = True, 1000
+    bpy.ops.dapple.edit_object_types(action="ADD")
+    bpy.ops.dapple.edit_object_types(action="ADD")
+    obj.dapple.object_types[0].use_count, obj.dapple.object_types[0].count = True, 1000
 
 
 def without_attribute(obj):
@@ -94,7 +94,11 @@ def tiles_on_surface(obj):
 
 CASES = [
     *((name, spoilt_surface(spoil)) for name in ("optimize", "bake") for spoil in SURFACES),
-    *((name, spoilt_surface(spoil)) for name in ("rebind", "preview") for spoil in SURFACES[1:2]),
+    *(
+        (name, spoilt_surface(spoil))
+        for name in ("reattach", "live_preview")
+        for spoil in SURFACES[1:2]
+    ),
     ("optimize", negative),
     ("optimize", too_many),
     ("optimize", without_attribute),
@@ -102,8 +106,11 @@ CASES = [
     ("show_density", without_attribute),
     ("optimize", without_camera),
     ("optimize", flat),
-    ("tile", tiles_on_surface),
-    *((name, without_surface) for name in ("optimize", "bake", "rebind", "tile", "preview")),
+    ("make_tiles", tiles_on_surface),
+    *(
+        (name, without_surface)
+        for name in ("optimize", "bake", "reattach", "make_tiles", "live_preview")
+    ),
 ]
 
 

@@ -21,7 +21,7 @@ POINTS = {
     "dapple_barycentric": "FLOAT_VECTOR",
     "dapple_carry": "FLOAT",
     "id": "INT",
-    "dapple_class": "INT",
+    "dapple_object_type": "INT",
     "dapple_density": "FLOAT",
     "dapple_rank": "FLOAT",
     "dapple_locked": "BOOLEAN",
@@ -196,15 +196,15 @@ WRONG = {
     "no modifier": without_modifier,
     "a foreign node group": with_foreign_group,
     "an odd version": with_odd_version,
-    "class -100": with_values(class_index=-100),
-    "parts": with_values(bound_parts=MOST, bound_to="REST"),
-    "class far": with_values(class_index=MOST),
+    "class -100": with_values(object_type_index=-100),
+    "parts": with_values(attached_parts=MOST, attached_to="REST"),
+    "class far": with_values(object_type_index=MOST),
     "overlap negative": with_values(report__overlap_first=-7, report__worst_overlap=0.5),
     "overlap far": with_values(report__overlap_second=MOST, report__worst_overlap=0.5),
     "overlap never": with_values(report__overlap_frame=MOST, report__worst_overlap=0.5),
     "details": with_values(report__details='{"energies": [1e400, 2], "gaps": [-5, 1e99]}'),
     "details of no kind": with_values(report__details='{"energies": 3, "gaps": {"a": []}}'),
-    "settings of no kind": with_values(solved_settings='{"classes": 5, "density": [1]}'),
+    "settings of no kind": with_values(solved_settings='{"object_types": 5, "density": [1]}'),
     "settings deep": with_values(solved_settings="[" * 100_000),
     "sources of no kind": with_values(solved_from='{"exact": [], "near": {"a": 3}}'),
     "baked frames": with_values(baked_frames=MOST),
@@ -213,7 +213,7 @@ WRONG = {
     "vertices": with_values(surface_vertices=-1),
     "topology": with_values(surface_topology="a b c " * 1000),
     "key of work files": with_values(bake_key="/../../../../../x"),
-    "bound to rest": with_values(bound_to="REST"),
+    "bound to rest": with_values(attached_to="REST"),
 }
 
 
@@ -224,11 +224,11 @@ def files(tmp_path_factory):
     for kind in ("FACES", "REST"):
         bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
         obj = scenes.scattered(scenes.tail(frames=2), count=12)
-        obj.dapple.bind_to, bpy.context.scene.frame_start = kind, 1
+        obj.dapple.attach_to, bpy.context.scene.frame_start = kind, 1
         bpy.context.scene.frame_end = 2
         for _ in range(2):
-            bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[0].radius = 0.05
+            bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[0].radius = 0.05
         assert bpy.ops.dapple.optimize() == {"FINISHED"}
         obj.data.attributes["dapple_locked"].data[6].value = True
         assert bpy.ops.dapple.bake() == {"FINISHED"}
@@ -284,11 +284,11 @@ def look(obj):
 
 
 def preview(obj):
-    if bpy.ops.dapple.preview.poll():
-        bpy.ops.dapple.preview()
+    if bpy.ops.dapple.live_preview.poll():
+        bpy.ops.dapple.live_preview()
         addon_host.part("blender.display.preview").tick()
         if addon_host.part("blender.display.preview").is_on(obj):
-            bpy.ops.dapple.preview()
+            bpy.ops.dapple.live_preview()
 
 
 def show_density(obj):
@@ -306,7 +306,7 @@ def keep_off(obj):
     bpy.ops.mesh.primitive_plane_add(size=2.0)
     other = scenes.scattered(bpy.context.object, count=5)
     try:
-        other.dapple.density.obstacles = things
+        other.dapple.density.avoid_collection = things
         bpy.ops.dapple.optimize()
     finally:
         scenes.activate(obj)
@@ -327,14 +327,14 @@ def operator(name, **options):
 
 READING = (play, draw, look, select_overlap, show_density, preview, keep_off)
 WRITING = (
-    operator("tile"),
-    operator("lock", every=True),
+    operator("make_tiles"),
+    operator("lock_points", every=True),
     operator("bake"),
-    operator("rebind"),
-    operator("edit_classes", action="REMOVE"),
+    operator("reattach"),
+    operator("edit_object_types", action="REMOVE"),
     operator("optimize"),
     operator("clear_bake"),
-    operator("discard_bake"),
+    operator("discard_unfinished_bake"),
 )
 
 
@@ -367,8 +367,8 @@ def test_whatever_a_rest_binding_holds_a_sentence_is_said_of_it(files, name, way
 
 
 SAID = {
-    "points dapple_class -9": r"dapple_class\[6\] is -9, it must be from 0 to ",
-    f"points dapple_class {MOST}": r"dapple_class\[6\] is 2147483647, it must be from 0 to ",
+    "points dapple_object_type -9": r"dapple_object_type\[6\] is -9, it must be from 0 to ",
+    f"points dapple_object_type {MOST}": r"dapple_object_type\[6\] is 2147483647, it must be",
     "points dapple_carry nan": r"dapple_carry\[6\] is not finite: nan",
     "points dapple_gone other type": "Attribute 'dapple_gone' of 'Tail Scatter' is INT on POINT",
     "Frames is light": "Frames 'Light' of 'Tail Scatter' is a light, not a mesh",
@@ -383,14 +383,14 @@ def test_the_first_value_that_is_wrong_is_named(files, name):
     obj = opened(files["FACES"], WRONG[name])
     said = [addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)]
     try:
-        bpy.ops.dapple.tile()
+        bpy.ops.dapple.make_tiles()
     except RuntimeError as error:
         said.append(str(error))
     assert any(re.search(SAID[name], one) for one in said), said
 
 
 def test_a_class_far_off_takes_no_memory(files):
-    obj = opened(files["FACES"], of_points("dapple_class", "INT", 10**8))
+    obj = opened(files["FACES"], of_points("dapple_object_type", "INT", 10**8))
     tracemalloc.start()
     try:
         for action in WRITING[:4]:

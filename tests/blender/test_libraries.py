@@ -11,12 +11,12 @@ NAMES = ("Rig", "Tail", "Tail Scatter")
 WRITING = (
     "optimize",
     "bake",
-    "rebind",
-    "tile",
+    "reattach",
+    "make_tiles",
     "clear_bake",
-    "preview",
-    "edit_classes",
-    "lock",
+    "live_preview",
+    "edit_object_types",
+    "lock_points",
     "load_preset",
 )
 
@@ -153,8 +153,8 @@ def test_two_scatters_joined_are_re_bound():
     first.select_set(True)
     assert bpy.ops.object.join() == {"FINISHED"}
     with pytest.raises(RuntimeError, match="point 20 was copied by hand"):
-        bpy.ops.dapple.tile()
-    for action in (bpy.ops.dapple.rebind, bpy.ops.dapple.tile, bpy.ops.dapple.bake):
+        bpy.ops.dapple.make_tiles()
+    for action in (bpy.ops.dapple.reattach, bpy.ops.dapple.make_tiles, bpy.ops.dapple.bake):
         assert action() == {"FINISHED"}
         assert len(scenes.positions(second)) == 80
 
@@ -204,7 +204,7 @@ def test_an_override_is_baked_in_the_shot_and_keeps_it(library, tmp_path):
 def test_an_override_is_cleared_and_tiled_in_the_shot(library, tmp_path):
     obj = overridden(library[0])
     assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     expected, tiles = played(obj), len(obj.dapple.tiles.object.data.polygons)
     reopened(tmp_path)
     obj = own_scatter()
@@ -217,13 +217,13 @@ def test_an_override_is_cleared_and_tiled_in_the_shot(library, tmp_path):
 def test_the_classes_of_an_override_are_those_of_its_file(library):
     overridden(library[0])
     with pytest.raises(RuntimeError, match="object types come from a linked file: edit them there"):
-        bpy.ops.dapple.edit_classes(action="ADD")
+        bpy.ops.dapple.edit_object_types(action="ADD")
 
 
 def test_a_scatter_over_a_linked_surface_is_of_this_file(library, tmp_path):
     linked = brought(library[0], link=True)
     active(linked.all_objects["Tail"])
-    assert bpy.ops.dapple.add(count=25) == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=25) == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     expected = played(bpy.context.object)
     assert list(bpy.context.object.users_collection) == [bpy.context.scene.collection]
@@ -234,7 +234,7 @@ def test_a_scatter_over_a_linked_surface_is_of_this_file(library, tmp_path):
 
 def test_a_scatter_over_an_overridden_surface_lies_in_an_open_collection(library, tmp_path):
     active(overridden(library[0]).dapple.surface)
-    assert bpy.ops.dapple.add(count=25) == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=25) == {"FINISHED"}
     assert list(bpy.context.object.users_collection) == [bpy.context.scene.collection]
     reopened(tmp_path)
     obj = next(one for one in bpy.context.scene.collection.objects if one.dapple.surface)
@@ -243,7 +243,7 @@ def test_a_scatter_over_an_overridden_surface_lies_in_an_open_collection(library
 
 def test_rest_position_of_an_overridden_surface_stays_on(library, tmp_path):
     active(overridden(library[0]).dapple.surface)
-    assert bpy.ops.dapple.add(count=25, bind_to="REST") == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=25, attach_to="REST") == {"FINISHED"}
     expected = played(bpy.context.object)
     reopened(tmp_path)
     obj = next(one for one in bpy.context.scene.collection.objects if one.dapple.surface)
@@ -255,7 +255,7 @@ def test_rest_position_of_a_linked_surface_cannot_be_turned_on(library):
     active(linked.all_objects["Tail"])
     before = scenes.snapshot()
     with pytest.raises(RuntimeError, match="Rest Position of the surface is off, and 'Tail' is"):
-        bpy.ops.dapple.add(bind_to="REST")
+        bpy.ops.dapple.add_scatter(attach_to="REST")
     assert scenes.snapshot() == before
 
 
@@ -293,7 +293,7 @@ def test_images_and_collections_of_the_same_name_in_two_files_are_told_apart(tmp
     obj.dapple.density.image = wanted.images[0]
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert scenes.positions(obj)[:, 1].mean() < -0.5
-    obj.dapple.density.image, obj.dapple.density.obstacles = None, wanted.collections[0]
+    obj.dapple.density.image, obj.dapple.density.avoid_collection = None, wanted.collections[0]
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     found = scenes.positions(obj)
     assert not ((found[:, 0] < -0.1) & (np.abs(found[:, 1]) < 0.9)).any()

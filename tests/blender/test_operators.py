@@ -37,7 +37,7 @@ def test_add_stores_every_record():
     obj = scenes.scattered(scenes.sphere(), count=40)
     columns = meshio.read_columns(obj.data, {**records.ROW_ATTRIBUTES, **records.POINT_ATTRIBUTES})
     assert sorted(columns["id"].tolist()) == list(range(40))
-    assert (columns["dapple_class"] == 0).all()
+    assert (columns["dapple_object_type"] == 0).all()
     assert np.allclose(columns["dapple_barycentric"].sum(axis=1), 1.0, atol=1e-6)
     assert obj.data[records.SCHEMA_KEY] == records.SCHEMA
 
@@ -97,7 +97,7 @@ def test_optimize_follows_the_settings_and_the_frame():
 def test_undo_and_redo():
     scenes.sphere()
     bpy.ops.ed.undo_push(message="Before")
-    assert bpy.ops.dapple.add("EXEC_DEFAULT", True, count=50) == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter("EXEC_DEFAULT", True, count=50) == {"FINISHED"}
     name = bpy.context.object.name
     expected = points(bpy.data.objects[name])
     bpy.data.objects[name].dapple.count = 20
@@ -122,10 +122,10 @@ def refused(call, words):
 def test_unequal_levels_are_refused():
     surface = scenes.tail(levels=1, render_levels=2)
     words = "410 vertices in the viewport and 1634 in the render"
-    refused(lambda: bpy.ops.dapple.add(bind_to="FACES"), words)
+    refused(lambda: bpy.ops.dapple.add_scatter(attach_to="FACES"), words)
     assert bpy.ops.dapple.match_subdivision() == {"FINISHED"}
     obj = scenes.scattered(surface)
-    obj.dapple.bind_to = "FACES"
+    obj.dapple.attach_to = "FACES"
     surface.modifiers["Subdivision"].render_levels = 1
     refused(bpy.ops.dapple.optimize, "Match Subdivision")
     refused(bpy.ops.dapple.bake, "Match Subdivision")
@@ -135,7 +135,7 @@ def test_unequal_levels_are_refused():
 def test_a_vertex_that_is_not_finite_is_named():
     surface = scenes.sphere()
     surface.data.vertices[17].co.x = float("nan")
-    refused(bpy.ops.dapple.add, r"'Sphere'.*vertices\[17\] is not finite")
+    refused(bpy.ops.dapple.add_scatter, r"'Sphere'.*vertices\[17\] is not finite")
 
 
 def test_a_mesh_without_faces_is_refused():
@@ -143,7 +143,7 @@ def test_a_mesh_without_faces_is_refused():
     obj = bpy.data.objects.new("Empty", mesh)
     bpy.context.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
-    refused(bpy.ops.dapple.add, "'Empty'")
+    refused(bpy.ops.dapple.add_scatter, "'Empty'")
 
 
 def test_a_scatter_without_surface_is_refused():
@@ -170,12 +170,12 @@ def test_an_object_that_is_not_evaluated_cannot_be_read():
 
 
 def test_operators_need_object_mode_and_the_right_object():
-    assert not bpy.ops.dapple.add.poll()
+    assert not bpy.ops.dapple.add_scatter.poll()
     surface = scenes.sphere()
-    assert bpy.ops.dapple.add.poll()
+    assert bpy.ops.dapple.add_scatter.poll()
     assert not bpy.ops.dapple.optimize.poll()
     scenes.scattered(surface)
-    assert not bpy.ops.dapple.add.poll()
+    assert not bpy.ops.dapple.add_scatter.poll()
     assert bpy.ops.dapple.optimize.poll()
     bpy.ops.object.mode_set(mode="EDIT")
     assert not bpy.ops.dapple.optimize.poll()
@@ -207,7 +207,7 @@ class Window:
             app=SimpleNamespace(background=False),
             ops=SimpleNamespace(
                 dapple=SimpleNamespace(
-                    drop_keys=self._ask, optimize=self._start, rebind=self._start
+                    delete_keyframes=self._ask, optimize=self._start, reattach=self._start
                 )
             ),
         )
@@ -230,15 +230,15 @@ class Window:
 
     def _ask(self, how, action):
         assert how == "INVOKE_DEFAULT"
-        self.press(self.operators.DAPPLE_OT_drop_keys, action=action)
+        self.press(self.operators.DAPPLE_OT_delete_keyframes, action=action)
 
     def _confirm(self, operator, event, title, message, **_):
         self.asked.append((title, message))
         there = SimpleNamespace(object=bpy.context.object)
         return operator.execute(there) if self.answer else {"CANCELLED"}
 
-    def _start(self, how, drop_keys):
-        self.started.append((how, drop_keys))
+    def _start(self, how, delete_keyframes):
+        self.started.append((how, delete_keyframes))
         return {"RUNNING_MODAL"}
 
 
@@ -248,25 +248,25 @@ def baked():
     return obj
 
 
-@pytest.mark.parametrize("name", ["optimize", "rebind"])
+@pytest.mark.parametrize("name", ["optimize", "reattach"])
 @pytest.mark.parametrize("answer", [True, False])
 def test_a_button_that_drops_baked_keys_asks(monkeypatch, name, answer):
     baked()
     window = Window(monkeypatch, answer)
     kind = getattr(window.operators, f"DAPPLE_OT_{name}")
-    assert window.press(kind, drop_keys=False) == {"CANCELLED"}
+    assert window.press(kind, delete_keyframes=False) == {"CANCELLED"}
     assert window.asked == [("Delete the bake?", "The keyframes of frames 1 to 6 will be deleted")]
     assert window.started == ([("INVOKE_DEFAULT", True)] if answer else [])
 
 
-@pytest.mark.parametrize(("name", "how"), [("optimize", "BACKGROUND"), ("rebind", "MODAL")])
+@pytest.mark.parametrize(("name", "how"), [("optimize", "BACKGROUND"), ("reattach", "MODAL")])
 def test_nothing_is_asked_without_keys_or_once_it_is_answered(monkeypatch, name, how):
     obj = baked()
     window = Window(monkeypatch)
     kind = getattr(window.operators, f"DAPPLE_OT_{name}")
-    window.press(kind, drop_keys=True)
+    window.press(kind, delete_keyframes=True)
     obj.dapple.baked_keys = 0
-    window.press(kind, drop_keys=False)
+    window.press(kind, delete_keyframes=False)
     assert window.asked == []
     assert window.started == [(how, True), (how, True)]
 
@@ -277,7 +277,7 @@ def test_discarding_frames_asks_as_it_cannot_be_undone(monkeypatch, answer):
     obj.dapple.bake_fingerprint = ""  # like a bake that was stopped
     files = addon_host.part("blender.freshness.unfinished_bakes").work_files(obj)
     window = Window(monkeypatch, answer)
-    window.press(window.of_bakes.DAPPLE_OT_discard_bake)
+    window.press(window.of_bakes.DAPPLE_OT_discard_unfinished_bake)
     said = "6 solved frames will be deleted from disk"
     assert window.asked == [("Discard the unfinished bake?", said)]
     assert files.frames() == (0 if answer else 6)

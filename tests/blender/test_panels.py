@@ -85,7 +85,7 @@ class Layout:
 
     def template_list(self, kind, _, data, name, active_data, active):
         assert active in active_data.bl_rna.properties
-        kind = addon_host.part("blender.main_panel").DAPPLE_UL_classes
+        kind = addon_host.part("blender.main_panel").DAPPLE_UL_object_types
         for index, item in enumerate(getattr(data, name)):
             draw = types.SimpleNamespace()
             kind.draw_item(draw, bpy.context, self, data, item, 0, active_data, active, index)
@@ -105,15 +105,23 @@ def drawn(layout=Layout):
 
 def test_a_surface_is_offered_a_scatter():
     scenes.sphere()
-    assert drawn() == ["dapple.add"]
+    assert drawn() == ["dapple.add_scatter"]
 
 
 def test_a_scatter_shows_its_settings_and_its_result():
     scenes.scattered(scenes.sphere())
     shown = drawn()
-    for name in ("count", "seed", "instance", "collection", "align", "attribute", "curvature"):
+    for name in (
+        "count",
+        "seed",
+        "instance",
+        "collection",
+        "align_to_normal",
+        "attribute",
+        "curvature",
+    ):
         assert name in shown
-    for name in ("dapple.optimize", "dapple.tile", "dapple.bake", "quality"):
+    for name in ("dapple.optimize", "dapple.make_tiles", "dapple.bake", "quality"):
         assert name in shown
     assert "points_per_area" not in shown
     assert "% of ideal, up to date" in " ".join(shown)
@@ -166,24 +174,24 @@ def test_pictures_show_what_they_are_of():
 
 def test_what_is_switched_on_is_shown():
     obj = scenes.scattered(scenes.sphere())
-    assert "slope_from" not in drawn()
+    assert "slope_min" not in drawn()
     obj.dapple.density.use_slope = obj.dapple.density.use_height = True
     obj.dapple.amount = "PER_AREA"
     shown = drawn()
-    assert {"slope_from", "slope_to", "height_fade", "points_per_area"} <= set(shown)
+    assert {"slope_min", "slope_max", "height_falloff", "points_per_area"} <= set(shown)
     assert "count" not in shown
 
 
 def test_classes_show_how_many_points_each_gets():
     obj = scenes.scattered(scenes.sphere(), count=90)
     for share in (2.0, 1.0):
-        bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[-1].share = share
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[-1].weight = share
     shown = drawn()
-    assert {"~60", "~30", "use_count", "share", "radius", "density"} <= set(shown)
+    assert {"~60", "~30", "use_count", "weight", "radius", "density"} <= set(shown)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert {"60", "30"} <= set(drawn())
-    obj.dapple.classes[0].use_count, obj.dapple.classes[0].count = True, 200
+    obj.dapple.object_types[0].use_count, obj.dapple.object_types[0].count = True, 200
     assert drawn().count("?") == 2, "they ask for more than there are"
 
 
@@ -209,19 +217,19 @@ def test_more_evaluations_are_asked_for_only_where_they_ran_out():
 @pytest.mark.parametrize("mode", ["KEEP_COUNT", "KEEP_DENSITY"])
 def test_a_baked_scatter(mode):
     obj = scenes.scattered(scenes.tail(frames=3), count=30)
-    obj.dapple.count_over_time = mode
+    obj.dapple.population = mode
     bpy.ops.dapple.bake()
     shown = drawn()
     assert "Baked: frames 1 to 3" in shown
     obj.dapple.report.converged = False  # frames have their own evaluation limit
     assert not [line for line in drawn() if "Max Iterations" in line]
-    assert ("fade_frames" in shown) == (mode == "KEEP_DENSITY")
+    assert ("fade_duration" in shown) == (mode == "KEEP_DENSITY")
 
 
 def test_a_body_with_other_faces_in_the_render_is_told_in_one_sentence():
     scenes.tail(levels=1, render_levels=2)
     shown = drawn()
-    assert "dapple.add" in shown
+    assert "dapple.add_scatter" in shown
     scenes.scattered(bpy.context.object)
     shown = " ".join(drawn())
     assert (
@@ -240,7 +248,7 @@ def test_what_is_said_leaves_room_for_its_cross(monkeypatch):
         work, "notes", lambda _: [("INFO", "points are attached to what is there " * 9)]
     )
     shown = drawn()
-    said = shown[: shown.index("dapple.dismiss")]
+    said = shown[: shown.index("dapple.hide_message")]
     assert len(said) > 3
     assert max(map(labels.width_of, said)) <= labels.room("INFO") - labels.BUTTON
 

@@ -59,12 +59,12 @@ def baked_scatter():
 
 def baked_otherwise():
     obj = baked_scatter()
-    obj.dapple.key_every, obj.dapple.stickiness = 2, 5.0
+    obj.dapple.keyframe_step, obj.dapple.stickiness = 2, 5.0
 
 
 def born_scatter():
     obj = scatter()
-    obj.dapple.count_over_time, obj.dapple.fade_frames = "KEEP_DENSITY", 1
+    obj.dapple.population, obj.dapple.fade_duration = "KEEP_DENSITY", 1
     obj.dapple.surface.scale = (1.0, 1.0, 1.0)
     obj.dapple.surface.keyframe_insert("scale", frame=1)
     obj.dapple.surface.scale = (1.5, 1.5, 1.5)
@@ -82,7 +82,7 @@ def born_baked():
 
 def tiled():
     obj = scatter()
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     obj.dapple.tiles.grout = 0.3
     return obj
 
@@ -90,8 +90,8 @@ def tiled():
 def several():
     obj = scatter()
     for _ in range(2):
-        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
-    obj.dapple.classes[1].share = 3.0
+        assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
+    obj.dapple.object_types[1].weight = 3.0
     return obj
 
 
@@ -119,15 +119,15 @@ def unequal():
 
 def overlapping():
     obj = scatter()
-    assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
-    obj.dapple.classes[0].radius = 0.34
+    assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
+    obj.dapple.object_types[0].radius = 0.34
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.report.worst_overlap > 0
 
 
 CASES = [
-    ("add", lambda: scenes.tail(frames=3), {"count": 30}),
-    ("add", lambda: scenes.tail(frames=3), {"count": 30, "bind_to": "REST"}),
+    ("add_scatter", lambda: scenes.tail(frames=3), {"count": 30}),
+    ("add_scatter", lambda: scenes.tail(frames=3), {"count": 30, "attach_to": "REST"}),
     ("optimize", resized, {}),
     ("optimize", baked_scatter, {}),
     ("optimize", several, {}),
@@ -137,13 +137,13 @@ CASES = [
     ("bake", born_scatter, {}),
     ("clear_bake", baked_scatter, {}),
     ("clear_bake", born_baked, {}),
-    ("rebind", baked_scatter, {}),
-    ("tile", scatter, {}),
-    ("tile", tiled, {}),
-    ("edit_classes", scatter, {"action": "ADD"}),
-    ("edit_classes", several, {"action": "REMOVE"}),
-    ("edit_classes", several, {"action": "UP"}),
-    ("lock", scatter, {"every": True}),
+    ("reattach", baked_scatter, {}),
+    ("make_tiles", scatter, {}),
+    ("make_tiles", tiled, {}),
+    ("edit_object_types", scatter, {"action": "ADD"}),
+    ("edit_object_types", several, {"action": "REMOVE"}),
+    ("edit_object_types", several, {"action": "UP"}),
+    ("lock_points", scatter, {"every": True}),
     ("load_preset", changed_after_saving, {"name": "Undone"}),
     ("copy_scatter", baked_scatter, {}),
     ("remove_scatter", baked_scatter, {}),
@@ -188,7 +188,7 @@ def test_steps_are_called_what_the_artist_has_done(live, artist, monkeypatch):
     names = []
     monkeypatch.setattr(addon_host.part("blender.base.jobs"), "push_undo", names.append)
     surface = scenes.sphere()
-    artist.press("add", count=30)
+    artist.press("add_scatter", count=30)
     artist.finish()
     obj = bpy.data.objects["Sphere Scatter"]
     live.watcher.ask(obj)

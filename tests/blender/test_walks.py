@@ -21,13 +21,33 @@ STEPS = int(os.environ.get("DAPPLE_STEPS", "12"))
 FIRST = int(os.environ.get("DAPPLE_FIRST", "0"))
 NAME = "Sphere Scatter"
 # Operators that only take time, or that are tested separately below.
-_LEFT = {"count", "points_per_area", "per_area", "max_evaluations", "fade_frames", "window_sweeps"}
+_LEFT = {
+    "count",
+    "points_per_area",
+    "per_area",
+    "max_evaluations",
+    "fade_duration",
+    "window_sweeps",
+}
 _OPERATORS = (
-    *("optimize", "rebind", "bake", "clear_bake", "tile", "preview", "show_density"),
-    *("edit_points", "edit_points_done", "place_point", "add_point", "move_point"),
-    *("remove_point", "lock", "edit_classes", "select_overlap", "solo_scatter", "copy_scatter"),
-    *("paint_density", "paint_blocked", "paint_done", "mark_asset", "match_subdivision"),
-    *("drop_keys", "export", "discard_bake", "remove_material", "select_surface"),
+    *("optimize", "reattach", "bake", "clear_bake", "make_tiles", "live_preview", "show_density"),
+    *("edit_points", "finish_editing_points", "place_point", "add_point", "move_point"),
+    *(
+        "remove_point",
+        "lock_points",
+        "edit_object_types",
+        "select_overlap",
+        "solo_scatter",
+        "copy_scatter",
+    ),
+    *("paint_density", "paint_blocked_areas", "finish_painting", "mark_asset", "match_subdivision"),
+    *(
+        "delete_keyframes",
+        "export_points",
+        "discard_unfinished_bake",
+        "remove_material",
+        "select_surface",
+    ),
 )
 
 
@@ -47,17 +67,17 @@ def prepared():
 def an_operator(chance, folder):
     name = chance.choice(_OPERATORS)
     if bpy.context.mode != "OBJECT" and chance.random() < 0.5:  # more operators work in object mode
-        name = "paint_done" if bpy.context.mode == "PAINT_WEIGHT" else "edit_points_done"
+        name = "finish_painting" if bpy.context.mode == "PAINT_WEIGHT" else "finish_editing_points"
     place = tuple(chance.choice([0.0, 1.0, -1e6, 1e6, chance.uniform(-1, 1)]) for _ in range(3))
     given = {
         "place_point": {"location": place},
         "add_point": {"location": place, "object_type": chance.choice([0, 1, 100])},
         "move_point": {"location": place, "id": chance.choice([0, 3, 10**6])},
         "remove_point": {"id": chance.choice([0, 5, 10**6])},
-        "lock": {"lock": chance.random() < 0.5, "every": chance.random() < 0.5},
-        "edit_classes": {"action": chance.choice(["ADD", "ADD", "REMOVE", "UP", "DOWN"])},
-        "drop_keys": {"action": chance.choice(["OPTIMIZE", "REBIND"])},
-        "export": {"filepath": str(folder / chance.choice(["a.csv", "a.npz", "no/a.csv"]))},
+        "lock_points": {"lock_points": chance.random() < 0.5, "every": chance.random() < 0.5},
+        "edit_object_types": {"action": chance.choice(["ADD", "ADD", "REMOVE", "UP", "DOWN"])},
+        "delete_keyframes": {"action": chance.choice(["OPTIMIZE", "REATTACH"])},
+        "export_points": {"filepath": str(folder / chance.choice(["a.csv", "a.npz", "no/a.csv"]))},
         "match_subdivision": {"use": chance.choice(["RENDER", "VIEWPORT"])},
         "remove_material": {"index": chance.choice([0, 100])},
     }
@@ -87,7 +107,7 @@ def call(name, properties):
 def a_property(chance, _folder):
     """A setting at an end of its range, or as by default."""
     own = scatter().dapple
-    group = chance.choice([own, own, own.density, own.tiles, *own.classes])
+    group = chance.choice([own, own, own.density, own.tiles, *own.object_types])
     names = [
         prop
         for prop in group.bl_rna.properties

@@ -47,7 +47,7 @@ def events():
 
 def added(surface):
     bpy.context.view_layer.objects.active = surface
-    yield from until_idle(bpy.ops.dapple.add, count=200)
+    yield from until_idle(bpy.ops.dapple.add_scatter, count=200)
     assert bpy.context.object is not surface
     return bpy.context.object
 

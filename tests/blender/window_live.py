@@ -34,7 +34,7 @@ def events():
     surface.name = "Ground"
     bpy.context.view_layer.objects.active = surface
     with window():
-        assert bpy.ops.dapple.add("INVOKE_DEFAULT", count=300) == {"CANCELLED"}
+        assert bpy.ops.dapple.add_scatter("INVOKE_DEFAULT", count=300) == {"CANCELLED"}
     yield from waited(lambda: has_points(300))
     bpy.context.object.dapple.auto_update_choice = "ON"
     yield from slider()

@@ -43,7 +43,7 @@ def scattered_ground():
         bpy.ops.view3d.view_selected()
     yield from hand_of.waited(hand_of.tab_is_shown)
     with over_view():
-        bpy.ops.dapple.add("INVOKE_DEFAULT", count=200)
+        bpy.ops.dapple.add_scatter("INVOKE_DEFAULT", count=200)
     yield from hand_of.waited(lambda: NAME in bpy.data.objects and settled(200))
     yield from rested()
 
@@ -104,7 +104,7 @@ def in_edit_mode(hand):
     yield from shot("points-edited")
     yield from hand.click(*on_screen(gap), button="RIGHTMOUSE", ctrl=True)
     yield from shot("points-placed")
-    yield from hand.press_button("dapple.edit_points_done(")
+    yield from hand.press_button("dapple.finish_editing_points(")
     yield from hand_of.waited(lambda: bpy.context.mode == "OBJECT" and settled(201))
     (added,) = places().keys() - first.keys()
     near(places()[added], gap)

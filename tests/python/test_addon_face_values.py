@@ -63,7 +63,7 @@ def test_products_stay_where_their_values_are(places):
 @pytest.mark.parametrize("width", [1, 3])
 @pytest.mark.parametrize("cut", [False, True])
 def test_faces_keep_their_values_where_others_cut_them(width, cut):
-    more = {"use_height": True, "height_from": -9.0, "height_to": 0.1, "height_fade": 0.2}
+    more = {"use_height": True, "height_min": -9.0, "height_max": 0.1, "height_falloff": 0.2}
     settings = DensitySettings(attribute="Grass", **(more if cut else {}))
     surface = surface_of(Grass=half(width), Moss=half(width, upper=False))
     ground = ground_of(surface, Settings(count=500, density=settings))
@@ -82,7 +82,7 @@ def test_faces_keep_their_values_where_others_cut_them(width, cut):
 @pytest.mark.parametrize("amount", [{"count": 300}, {"per_area": 20.0}])
 def test_points_are_on_faces_of_some_density_alone(width, amount):
     surface = surface_of(Grass=half(width), Road=half(width, upper=False))
-    for terms in ({"attribute": "Grass"}, {"blocked": "Road"}):
+    for terms in ({"attribute": "Grass"}, {"blocked_areas": "Road"}):
         settings = Settings(**amount, density=DensitySettings(**terms))
         found = scatter(surface, settings, None)
         assert above(surface)[found.solved.samples.faces].all()
@@ -95,9 +95,9 @@ def test_object_types_multiply_values_of_faces_by_their_own():
     first = RANDOM.random(len(VERTICES)) + 0.5
     surface = surface_of(Grass=half(3), Slowly=first, Right=half_by_x())
     kinds = tuple(ClassSettings(density=name, radius=0.01) for name in ("Slowly", "Right", ""))
-    settings = Settings(count=300, classes=kinds, density=DensitySettings(attribute="Grass"))
+    settings = Settings(count=300, object_types=kinds, density=DensitySettings(attribute="Grass"))
     found = scatter(surface, settings, None)
-    faces, kinds = found.solved.samples.faces, found.columns["dapple_class"]
+    faces, kinds = found.solved.samples.faces, found.columns["dapple_object_type"]
     assert above(surface)[faces].all()
     assert (half_by_x()[faces[kinds == 1]] > 0.0).all()
     assert np.bincount(kinds).tolist() == [100, 100, 100]

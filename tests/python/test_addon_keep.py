@@ -115,7 +115,7 @@ CHANGES = {
 
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
 def test_far_from_a_local_change_points_keep_their_bytes(change) -> None:
-    settings = replace(BY_AREA, density=replace(PAINTED, obstacle_margin=0.02))
+    settings = replace(BY_AREA, density=replace(PAINTED, avoid_margin=0.02))
     surface = arrays()
     solved = scatter(surface, settings, dapple.Context())
     after = change(surface)
@@ -125,7 +125,7 @@ def test_far_from_a_local_change_points_keep_their_bytes(change) -> None:
 
 
 def test_an_obstacle_that_is_moved_moves_what_is_around_it() -> None:
-    settings = replace(BY_AREA, density=DensitySettings(obstacle_margin=0.02))
+    settings = replace(BY_AREA, density=DensitySettings(avoid_margin=0.02))
     before, after = blocked(arrays()), blocked(arrays(), 0.1)
     solved = scatter(before, settings, dapple.Context())
     found = updated(solved, after, settings)
@@ -247,7 +247,7 @@ def test_points_are_solved_anew_where_they_cannot_be_kept() -> None:
     assert not keeps(settings, [], same_faces=False)
     for name in ("seed", "tolerance", "capacity_weight", "repulsion_weight", "classes"):
         assert not keeps(settings, [name], same_faces=True)
-    assert keeps(replace(settings, classes=(ClassSettings(),)), ["count"], same_faces=True)
+    assert keeps(replace(settings, object_types=(ClassSettings(),)), ["count"], same_faces=True)
 
 
 def test_quads_that_are_cut_along_the_other_diagonal_are_the_same_faces() -> None:
@@ -272,7 +272,7 @@ def test_where_points_were_removed_by_hand_the_others_close_the_hole(removed, re
     rows = Binding(*(getattr(solved.binding, name)[stays] for name in ROWS))
     ids = solved.columns["id"], columns["id"]
     assert solved.solved is not None
-    placed = as_placed(solved.solved, ids[0], rows, ids[1], columns["dapple_class"])
+    placed = as_placed(solved.solved, ids[0], rows, ids[1], columns["dapple_object_type"])
     assert np.array_equal(placed.samples.positions, solved.positions[stays])
     before = Before(rows, columns, placed, middle(surface)[None])
     fewer = replace(settings, count=3000 - removed)

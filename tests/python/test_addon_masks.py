@@ -53,7 +53,7 @@ def test_slope_and_height_can_be_inverted_and_weak():
     points = somewhere()
     tipped = turned_up(0.8)
     there = points @ tipped[:3, :3].T
-    range_of = {"height_from": -0.5, "height_to": 0.5, "height_fade": 0.3}
+    range_of = {"height_min": -0.5, "height_max": 0.5, "height_falloff": 0.3}
     weak = {"height_invert": True, "height_strength": 0.6}
     found = density_at(plane(tipped), there, use_height=True, **range_of, **weak)
     expected = [falls(z, -0.5, 0.5, 0.3, True, 0.6) for z in there[:, 2]]
@@ -61,7 +61,7 @@ def test_slope_and_height_can_be_inverted_and_weak():
     for angle in (0.1, 0.5, 0.8, 1.2):
         found = density_at(
             plane(turned_up(angle)), points[:1], use_slope=True, slope_invert=True,
-            slope_strength=0.7, slope_to=0.4, slope_fade=0.5,
+            slope_strength=0.7, slope_max=0.4, slope_falloff=0.5,
         )  # fmt: skip
         assert found == pytest.approx(falls(angle, 0.0, 0.4, 0.5, True, 0.7))
 
@@ -74,7 +74,7 @@ def turned_up(angle: float) -> np.ndarray:
 
 def test_the_distance_counts_within_large_faces():
     points = somewhere()
-    range_of = {"distance_from": 0.1, "distance_to": 0.4, "distance_fade": 0.3}
+    range_of = {"distance_min": 0.1, "distance_max": 0.4, "distance_falloff": 0.3}
     found = density_at(plane(lines=winding()), points, use_distance=True, **range_of)
     expected = [falls(one, 0.1, 0.4, 0.3) for one in by_hand(points, winding())]
     assert np.abs(found - expected).mean() < 0.01
@@ -83,7 +83,9 @@ def test_the_distance_counts_within_large_faces():
 
 def test_a_sharp_distance_is_followed_to_a_share_of_the_spacing():
     points, count = somewhere(2000), 4000
-    found = density_at(plane(lines=winding()), points, count, use_distance=True, distance_fade=0.0)
+    found = density_at(
+        plane(lines=winding()), points, count, use_distance=True, distance_falloff=0.0
+    )
     distance = by_hand(points, winding())
     spacing = math.sqrt(16.0 / count)
     clear = np.abs(distance - 0.5) > 0.5 * spacing
@@ -92,7 +94,7 @@ def test_a_sharp_distance_is_followed_to_a_share_of_the_spacing():
 
 def test_the_border_counts_within_large_faces():
     points = somewhere()
-    found = density_at(plane(), points, use_border=True, border_to=0.3, border_fade=0.4)
+    found = density_at(plane(), points, use_border=True, border_max=0.3, border_falloff=0.4)
     expected = [falls(one, 0.0, 0.3, 0.4) for one in 2.0 - np.abs(points[:, :2]).max(axis=1)]
     assert np.abs(found - expected).mean() < 0.01
 
@@ -110,7 +112,7 @@ def test_a_distance_to_nothing_has_no_effect():
 
 def test_a_sharp_height_ends_at_the_edge_of_a_floor():
     cube = SurfaceArrays("Cube", CUBE, CUBE_FACES, "same")
-    settings = DensitySettings(use_height=True, height_from=1.0, height_to=2.0, height_fade=0.0)
+    settings = DensitySettings(use_height=True, height_min=1.0, height_max=2.0, height_falloff=0.0)
     ground = ground_of(cube, Settings(count=300, density=settings))
     top = (ground.surface.vertices[ground.surface.faces][:, :, 2] == 1.0).all(axis=1)
     np.testing.assert_array_equal(ground.corner_density(), np.repeat(top[:, None], 3, axis=1))
@@ -146,7 +148,7 @@ def test_aspect_and_other_terms_are_multiplied():
 
 
 def test_aspect_holds_within_faces_that_others_cut():
-    density = {"use_aspect": True, "use_height": True, "height_to": 5.0, "height_from": -0.4}
+    density = {"use_aspect": True, "use_height": True, "height_max": 5.0, "height_min": -0.4}
     ground = ground_of(roof(0.6), Settings(count=2000, density=DensitySettings(**density)))
     assert ground.is_cut
     corners = ground.surface.vertices[ground.surface.faces]
@@ -165,7 +167,7 @@ def turned_by(angle: float, shift) -> np.ndarray:
 
 def test_noise_counts_within_large_faces_and_goes_with_the_surface():
     points, pose = somewhere(), turned_by(0.7, [5.0, -3.0, 2.0])
-    density = {"use_noise": True, "noise_scale": 0.8, "noise_fade": 0.2, "noise_seed": 3}
+    density = {"use_noise": True, "noise_size": 0.8, "noise_falloff": 0.2, "noise_seed": 3}
     found = density_at(plane(), points, **density)
     expected = [falls(one, 0.5, 1.0, 0.2) for one in noise(points / 0.8, 2, 3)]
     assert np.abs(found - expected).mean() < 0.03
@@ -177,14 +179,14 @@ def test_noise_counts_within_large_faces_and_goes_with_the_surface():
 def test_size_of_noise_is_that_of_the_world():
     """An object that was scaled has patches of the same size."""
     scaled = plane(np.diag([2.0, 2.0, 2.0, 1.0]))
-    (field,) = fields_of(scaled, DensitySettings(use_noise=True, noise_scale=0.5))
+    (field,) = fields_of(scaled, DensitySettings(use_noise=True, noise_size=0.5))
     points = somewhere()
     np.testing.assert_allclose(field.at(points), noise(points / 0.5, 2, 0), atol=1e-9)
 
 
 def test_a_term_alone_has_its_settings_and_no_other():
     full = DensitySettings(
-        attribute="Grass", use_slope=True, slope_to=0.3, use_noise=True, noise_seed=4
+        attribute="Grass", use_slope=True, slope_max=0.3, use_noise=True, noise_seed=4
     )
     alone = full.alone("use_noise")
     assert (alone.use_noise, alone.noise_seed, alone.use_slope, alone.attribute) == (
@@ -225,7 +227,7 @@ def test_what_masks_depend_on_is_compared():
     tipped = turned_up(0.3)
     turned_line = line @ tipped[:3, :3].T
     assert differing(before, plane(tipped, lines=turned_line), use_distance=True) == []
-    seen = {"use_distance": True, "distance_plan": True}
+    seen = {"use_distance": True, "ignore_height": True}
     assert differing(before, plane(tipped, lines=turned_line), **seen) == ["up"]
     turned = plane(turned_by(0.3, [0.0, 0.0, 0.0]))
     assert differing(plane(), turned, use_aspect=True) == ["north"]

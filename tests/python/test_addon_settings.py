@@ -14,13 +14,13 @@ from dataclasses import replace
 
 from addon.core.settings.values import ClassSettings, DensitySettings, Settings, TileSettings
 
-settings = Settings({keyword}=5, classes=(ClassSettings(count=3),))
+settings = Settings({keyword}=5, object_types=(ClassSettings(count=3),))
 print(settings.{name}, settings.density.{of_density}, TileSettings().grout + 1.0)
-print(replace(settings, {keyword}=7), settings.classes[0].radius, DensitySettings().materials)
+print(replace(settings, {keyword}=7), settings.object_types[0].radius, DensitySettings().materials)
 """
 
 
-def errors(keyword="count", name="merge_doubled", of_density="slope_from"):
+def errors(keyword="count", name="merge_doubled", of_density="slope_min"):
     """What mypy says of a module that uses settings by these names."""
     code = CODE.format(keyword=keyword, name=name, of_density=of_density)
     command = [sys.executable, "-m", "mypy", "--no-error-summary", "-c", code]

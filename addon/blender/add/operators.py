@@ -18,7 +18,7 @@ from ..surface.joined_surface import put_on_selected, selected_beside
 from ..surface.polls import free, ready
 from .steps import add_steps
 
-_ADDED_WITH = [setting for setting in SCATTER if setting.name in ("count", "seed", "bind_to")]
+_ADDED_WITH = [setting for setting in SCATTER if setting.name in ("count", "seed", "attach_to")]
 
 
 class _Adds(StepsOperator):
@@ -56,10 +56,10 @@ def _into_local_views(seen: bpy.types.Object, new: bpy.types.Object) -> None:
 
 
 @with_arguments(_ADDED_WITH)
-class DAPPLE_OT_add(_Adds, bpy.types.Operator):
+class DAPPLE_OT_add_scatter(_Adds, bpy.types.Operator):
     """Scatter points evenly on the active object, or on all selected objects as one surface"""
 
-    bl_idname = "dapple.add"
+    bl_idname = "dapple.add_scatter"
     bl_label = "Add Scatter"
     bl_options = OPTIONS
 
@@ -124,4 +124,4 @@ class DAPPLE_OT_surface_from_selected(AllOrNothing, bpy.types.Operator):
         put_on_selected(context)
 
 
-CLASSES = (DAPPLE_OT_add, DAPPLE_OT_add_over_collection, DAPPLE_OT_surface_from_selected)
+CLASSES = (DAPPLE_OT_add_scatter, DAPPLE_OT_add_over_collection, DAPPLE_OT_surface_from_selected)

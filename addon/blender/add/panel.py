@@ -10,7 +10,7 @@ from ..base.panel_values import Prepared
 from ..base.translation import told
 from ..presets.operators import draw_presets
 from ..scatter.object import is_surface
-from .operators import DAPPLE_OT_add, DAPPLE_OT_add_over_collection
+from .operators import DAPPLE_OT_add_over_collection, DAPPLE_OT_add_scatter
 from .scatter_list import (
     DAPPLE_OT_copy_scatter,
     DAPPLE_OT_remove_scatter,
@@ -47,7 +47,7 @@ def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> No
         _draw_listed(column.row(align=True), one, _short(one.name, name), len(listed) > 1)
     row = layout.row()
     row.scale_y = 1.0 if listed else 1.5
-    row.operator(DAPPLE_OT_add.bl_idname, icon="ADD")
+    row.operator(DAPPLE_OT_add_scatter.bl_idname, icon="ADD")
     if bpy.context.scene.collection.children:
         row.menu(DAPPLE_MT_over_collection.__name__, text="", icon="OUTLINER_COLLECTION")
     draw_presets(row)
@@ -99,7 +99,7 @@ class DAPPLE_MT_over_collection(bpy.types.Menu):
 
 def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     """Entry of Add > Mesh."""
-    add = DAPPLE_OT_add.bl_idname
+    add = DAPPLE_OT_add_scatter.bl_idname
     menu.layout.operator(add, text="Dapple Scatter", icon="OUTLINER_DATA_POINTCLOUD")
     if context.scene.collection.children:
         text = told("Dapple Scatter over Collection")

@@ -47,7 +47,7 @@ def add_steps(
 ) -> Steps:
     """Scatter over what is selected, or over a collection; returns what was Added.
 
-    What is not chosen (count, seed, bind_to) is as in the Default preset, as far as that fits.
+    What is not chosen (count, seed, attach_to) is as in the Default preset, as far as that fits.
     """
     with surface_over(context, collection) as surface, rest_position_kept(surface):
         values, note = first_values(surface.get(), context)
@@ -85,7 +85,7 @@ def _with_chosen(values: Values, chosen: dict[str, Any]) -> Values:
 
 def _solved(surface: Held, values: Values) -> Any:
     settings = settings_with(values)
-    kind = kind_of_binding(surface.get(), bpy.context, values[""].get("bind_to", "AUTO"))
+    kind = kind_of_binding(surface.get(), bpy.context, values[""].get("attach_to", "AUTO"))
     arrays = read(surface.get(), settings)
     found = yield Task(lambda worker: scatter(arrays, settings, worker))
     with as_read(arrays, surface, settings), rest_position(surface, kind):

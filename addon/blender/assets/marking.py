@@ -20,7 +20,7 @@ TAGS = ("scatter", "blue noise")
 _PARTS = "dapple_instances"  # custom property: a collection that comes along
 _BLOCKS = (Kind.OBJECT, Kind.COLLECTION, Kind.MATERIALS)
 _KEPT = {"rna_type", "name", "auto_update", "quality", "density", "tiles"}
-_KEPT |= {"classes", "class_index", "weights"}  # what is listed
+_KEPT |= {"object_types", "object_type_index", "weights"}  # what is listed
 
 
 def marked(obj: bpy.types.Object) -> bpy.types.Object:
@@ -57,7 +57,7 @@ def instanced(obj: bpy.types.Object) -> set[bpy.types.Object]:
 
 def _kinds(obj: bpy.types.Object) -> list[bpy.types.PropertyGroup]:
     """What has something to instance: the scatter, and each object type."""
-    return [obj.dapple, *obj.dapple.classes]
+    return [obj.dapple, *obj.dapple.object_types]
 
 
 def _leave_place(asset: bpy.types.Object, obj: bpy.types.Object) -> None:

@@ -52,10 +52,10 @@ def _draw_preview(context: bpy.types.Context, asset: bpy.types.Object) -> None:
         draw()
 
 
-class DAPPLE_OT_place(StepsOperator, bpy.types.Operator):
+class DAPPLE_OT_place_scatter(StepsOperator, bpy.types.Operator):
     """Put this scatter, which has no points yet, on a surface"""
 
-    bl_idname = "dapple.place"
+    bl_idname = "dapple.place_scatter"
     bl_label = "Place Scatter"
     bl_options = OPTIONS
 
@@ -113,4 +113,4 @@ def draw_placing(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bool:
     return True
 
 
-CLASSES = (DAPPLE_OT_mark_asset, DAPPLE_OT_place)
+CLASSES = (DAPPLE_OT_mark_asset, DAPPLE_OT_place_scatter)

@@ -76,7 +76,7 @@ def _fit_density(obj: bpy.types.Object, reasons: list[str]) -> None:
 
 def fit_classes(obj: bpy.types.Object, reasons: list[str]) -> None:
     surface = obj.dapple.surface
-    for kind in [kind for kind in obj.dapple.classes if kind.density]:
+    for kind in [kind for kind in obj.dapple.object_types if kind.density]:
         try:
             with evaluated_mesh(surface, bpy.context.evaluated_depsgraph_get()) as mesh:
                 read_weights(surface, mesh, kind.density)
@@ -96,7 +96,7 @@ class _Before:
 
     @classmethod
     def of(cls, obj: bpy.types.Object) -> "_Before":
-        densities = tuple(kind.density for kind in obj.dapple.classes)
+        densities = tuple(kind.density for kind in obj.dapple.object_types)
         return cls(obj.dapple.surface, obj.matrix_world.copy(), values_of(obj), densities)
 
     def put_back(self, held: Held) -> None:
@@ -106,5 +106,5 @@ class _Before:
             return
         obj.dapple.surface, obj.matrix_world = self.surface, self.matrix
         apply(obj, self.values)
-        for kind, density in zip(obj.dapple.classes, self.densities, strict=False):
+        for kind, density in zip(obj.dapple.object_types, self.densities, strict=False):
             kind.density = density

@@ -62,8 +62,8 @@ class Masks:
 
 def may_be_bare(obj: bpy.types.Object, kind: str) -> bool:
     """Whether a bake of a scatter that is bound so goes on over frames without faces."""
-    follows = obj.dapple.on_topology_change == "REBIND" or kind == "REST"
-    return _keeps_density(obj) and follows and not len(obj.dapple.classes)
+    follows = obj.dapple.new_topology == "REATTACH" or kind == "REST"
+    return _keeps_density(obj) and follows and not len(obj.dapple.object_types)
 
 
 def begin_of(held: Held, surface: Held, first: int, last: int) -> Any:
@@ -73,7 +73,7 @@ def begin_of(held: Held, surface: Held, first: int, last: int) -> Any:
     begin = first
     if _keeps_density(held.get()):
         begin = yield from _first_with_faces(surface, first, last)
-    kind = kind_of_binding(surface.get(), bpy.context, held.get().dapple.bind_to)
+    kind = kind_of_binding(surface.get(), bpy.context, held.get().dapple.attach_to)
     if begin > first and not may_be_bare(held.get(), kind):
         raise ScatterError(_refused(held.get(), surface.get().name, first))
     return begin, kind
@@ -115,12 +115,12 @@ def appeared(
 
 
 def _keeps_density(obj: bpy.types.Object) -> bool:
-    return bool(obj.dapple.count_over_time == "KEEP_DENSITY")
+    return bool(obj.dapple.population == "KEEP_DENSITY")
 
 
 def _refused(obj: bpy.types.Object, name: str, frame: int) -> str:
     said = f"Surface '{name}' has no faces at frame {frame}"
-    if len(obj.dapple.classes):
+    if len(obj.dapple.object_types):
         return f"{said}: points of object types cannot appear again behind it"
     return f"{said}: set New Topology to Reattach to have no points there"
 
@@ -171,7 +171,7 @@ class Steady:
     def first(self, obj: bpy.types.Object, read: Read) -> SurfaceArrays:
         """The first frame, in the order to which the points of a scatter are attached."""
         arrays, known = read(), obj.dapple.surface_topology.split()
-        if not known or obj.dapple.bound_to != "FACES":
+        if not known or obj.dapple.attached_to != "FACES":
             return arrays
         return self._in_order(arrays, known[0], obj.dapple.surface_vertices, read)
 

@@ -78,10 +78,10 @@ class DAPPLE_OT_clear_bake(AllOrNothing, bpy.types.Operator):
             files.clear()
 
 
-class DAPPLE_OT_discard_bake(AllOrNothing, bpy.types.Operator):
+class DAPPLE_OT_discard_unfinished_bake(AllOrNothing, bpy.types.Operator):
     """Delete the frames that stopped bakes left behind; the next bake starts at its first frame"""
 
-    bl_idname = "dapple.discard_bake"
+    bl_idname = "dapple.discard_unfinished_bake"
     bl_label = "Discard Unfinished Bake"
 
     @classmethod
@@ -113,4 +113,4 @@ class DAPPLE_OT_discard_bake(AllOrNothing, bpy.types.Operator):
         findings.touch(context.object)
 
 
-CLASSES = (DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake)
+CLASSES = (DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_unfinished_bake)

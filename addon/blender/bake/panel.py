@@ -9,13 +9,13 @@ from ...core.settings.solver_options import MOTION
 from ..base.labels import lines_of
 from ..base.translation import counted, told
 from ..display import preview
-from ..display.preview import DAPPLE_OT_preview
+from ..display.preview import DAPPLE_OT_live_preview
 from ..freshness import findings
 from ..freshness.contents import frozen_note
 from ..freshness.unfinished_bakes import unsaved_note
 from ..scatter.object import follows_masks
 from ..scatter.panel import ScatterPanel, draw_in_header
-from .operators import DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake
+from .operators import DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_unfinished_bake
 
 
 class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
@@ -30,18 +30,18 @@ class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
         layout.use_property_split, layout.use_property_decorate = True, False
         layout.prop(context.scene, "frame_start", text="Frame Start")
         layout.prop(context.scene, "frame_end", text="End")
-        layout.prop(settings, "count_over_time")
-        if settings.count_over_time == "KEEP_DENSITY":
-            layout.prop(settings, "fade_frames")
+        layout.prop(settings, "population")
+        if settings.population == "KEEP_DENSITY":
+            layout.prop(settings, "fade_duration")
         else:
-            layout.prop(settings, "bake_smoothing")
+            layout.prop(settings, "smoothing")
         for option in MOTION:
             layout.prop(settings, option.name)
         row = layout.row()
         row.active = settings.masks_over_time == "FIRST_FRAME" or follows_masks(context.object)
         row.prop(settings, "masks_over_time")
-        layout.prop(settings, "key_every")
-        layout.prop(settings, "on_topology_change")
+        layout.prop(settings, "keyframe_step")
+        layout.prop(settings, "new_topology")
         row = layout.row(align=True)
         row.operator(DAPPLE_OT_bake.bl_idname, icon="REC")
         row.operator(DAPPLE_OT_clear_bake.bl_idname, icon="X", text="")
@@ -52,7 +52,7 @@ class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
         else:
             lines_of(layout, told("Not baked: points stick to the surface"), "INFO")
         row = layout.row(align=True)
-        row.operator(DAPPLE_OT_preview.bl_idname, depress=preview.is_on(context.object))
+        row.operator(DAPPLE_OT_live_preview.bl_idname, depress=preview.is_on(context.object))
         row.use_property_split = False
         row.prop(settings, "preview_budget", text="Time (ms)")
         if preview.note(context.object):
@@ -80,7 +80,7 @@ def _draw_work_files(layout: bpy.types.UILayout, known: findings.Findings | None
         )
         lines_of(layout, text, "INFO")
     if known.unfinished or known.left_over:
-        layout.operator(DAPPLE_OT_discard_bake.bl_idname, icon="TRASH")
+        layout.operator(DAPPLE_OT_discard_unfinished_bake.bl_idname, icon="TRASH")
 
 
 def baked_line(obj: bpy.types.Object) -> str:

@@ -88,21 +88,21 @@ def new_baker(
     solved: Scattered | None,
 ) -> Baker:
     """A baker of so many frames; solved are the points if they were optimized anew."""
-    rebind = obj.dapple.on_topology_change == "REBIND" or arrays.rest is not None
+    reattach = obj.dapple.new_topology == "REATTACH" or arrays.rest is not None
     if solved is not None:
         binding, columns = as_stored(solved.binding), solved.columns
     else:
         binding, columns = _binding(obj, surface, arrays)
     if arrays.rest is not None:
         arrays = with_distinct_parts(binding, arrays)
-    start = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
-    keyframes = Keyframes(count, obj.dapple.key_every)
-    smoothing, kept = obj.dapple.bake_smoothing, work_files(obj, first)
+    start = Start(binding, columns["id"], columns["dapple_object_type"], settings_of(obj))
+    keyframes = Keyframes(count, obj.dapple.keyframe_step)
+    smoothing, kept = obj.dapple.smoothing, work_files(obj, first)
     follows = follows_masks(obj) and may_move(start.settings)
-    fits = any(one.fit > 0.0 for one in (obj.dapple, *obj.dapple.classes))
-    common = (arrays, start, keyframes, kept, first, rebind)
-    if obj.dapple.count_over_time == "KEEP_DENSITY":
-        fade = obj.dapple.fade_frames
+    fits = any(one.fit_to_spacing > 0.0 for one in (obj.dapple, *obj.dapple.object_types))
+    common = (arrays, start, keyframes, kept, first, reattach)
+    if obj.dapple.population == "KEEP_DENSITY":
+        fade = obj.dapple.fade_duration
         return PopulationBaker(*common, follows, fits, fade=fade)
     if smoothing == "FORWARD":
         return Baker(*common, follows, fits)
@@ -113,7 +113,7 @@ def _binding(
     obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays
 ) -> tuple[Binding, Columns]:
     """The stored binding, or one to the places nearest to the points as they were optimized."""
-    if obj.dapple.bound_to == "REST" or not other_faces(obj, arrays):
+    if obj.dapple.attached_to == "REST" or not other_faces(obj, arrays):
         return current_binding(obj, surface, arrays)
     columns = point_columns_of(obj)
     check_ids(columns["id"], obj.name)
@@ -121,8 +121,8 @@ def _binding(
 
 
 def _check_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> None:
-    reason = "" if obj.dapple.bound_to == "REST" else other_faces(obj, arrays)
-    if reason and obj.dapple.on_topology_change != "REBIND":
+    reason = "" if obj.dapple.attached_to == "REST" else other_faces(obj, arrays)
+    if reason and obj.dapple.new_topology != "REATTACH":
         raise ScatterError(
             f"Scatter '{obj.name}' is out of date: {reason}. Optimize the scatter first, or "
             "set New Topology to Reattach"

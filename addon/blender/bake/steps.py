@@ -144,7 +144,7 @@ def write_bake(obj: bpy.types.Object, begun: Begun, baker: Baker, kind: str) -> 
     with all_or_nothing(bpy.context, [obj]):
         if begun.solved is not None:
             write_scattered(obj, baker.first_surface, begun.solved, rest)
-        elif "REST" in (kind, obj.dapple.bound_to):
+        elif "REST" in (kind, obj.dapple.attached_to):
             write_binding(obj, baker.first_surface, baker.begin, rest)
         write_baked(obj, baker.baked(), baker.first, baker.report(), born, begun.sources)
         write_known(obj, begun, baker)

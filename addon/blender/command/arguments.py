@@ -26,7 +26,7 @@ class Asked(argparse.Namespace):
     output: Path | None = None  # the file itself
     file: Path  # that is exported to
     if_needed: bool = False
-    drop_keys: bool = False
+    delete_keyframes: bool = False
     baked: bool = False
 
 
@@ -82,7 +82,7 @@ def _add_optimize(verbs: "_Verbs") -> None:
     verb = _verb(verbs, "optimize", "distribute the points in one frame, and save the file")
     verb.add_argument("--frame", type=int, help="the frame; default: the one that the file shows")
     verb.add_argument(
-        "--drop-keys", action="store_true", help="delete the keyframes of scatters that are baked"
+        "--delete-keyframes", action="store_true", help="delete the keyframes of a bake"
     )
     _add_output(verb)
 

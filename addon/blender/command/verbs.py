@@ -59,9 +59,9 @@ def _bake(group: list[bpy.types.Object], asked: Asked) -> Steps:
 
 def _optimize(group: list[bpy.types.Object], asked: Asked) -> Steps:
     (obj,) = group
-    if obj.dapple.baked_keys and not asked.drop_keys:
+    if obj.dapple.baked_keys and not asked.delete_keyframes:
         raise ScatterError(
-            f"Scatter '{obj.name}' is baked: --drop-keys deletes the keyframes, or use bake"
+            f"Scatter '{obj.name}' is baked: --delete-keyframes deletes the keyframes, or use bake"
         )
     with frame_kept(bpy.context.scene, show=asked.frame):
         frame = bpy.context.scene.frame_current

@@ -33,11 +33,11 @@ class DAPPLE_OT_paint_density(AllOrNothing, bpy.types.Operator):
         begin_painting(context, PAINTED["DENSITY"])
 
 
-class DAPPLE_OT_paint_blocked(AllOrNothing, bpy.types.Operator):
+class DAPPLE_OT_paint_blocked_areas(AllOrNothing, bpy.types.Operator):
     """Paint on the surface where there are to be no points. Takes the vertex group of Blocked
     Areas, or adds an empty one: no points where the weight is 1, whatever the density is"""
 
-    bl_idname = "dapple.paint_blocked"
+    bl_idname = "dapple.paint_blocked_areas"
     bl_label = "Paint Blocked Areas"
     bl_options = OPTIONS
 
@@ -49,10 +49,10 @@ class DAPPLE_OT_paint_blocked(AllOrNothing, bpy.types.Operator):
         begin_painting(context, PAINTED["BLOCKED"])
 
 
-class DAPPLE_OT_paint_done(AllOrNothing, bpy.types.Operator):
+class DAPPLE_OT_finish_painting(AllOrNothing, bpy.types.Operator):
     """Leave Weight Paint mode and go back to the scatter"""
 
-    bl_idname = "dapple.paint_done"
+    bl_idname = "dapple.finish_painting"
     bl_label = "Finish Painting"
     bl_options = OPTIONS
 
@@ -140,8 +140,8 @@ class DAPPLE_OT_show_density(AllOrNothing, bpy.types.Operator):
 
 CLASSES = (
     DAPPLE_OT_paint_density,
-    DAPPLE_OT_paint_blocked,
-    DAPPLE_OT_paint_done,
+    DAPPLE_OT_paint_blocked_areas,
+    DAPPLE_OT_finish_painting,
     DAPPLE_OT_add_material,
     DAPPLE_OT_remove_material,
     DAPPLE_OT_show_density,

@@ -25,9 +25,9 @@ from ..surface.values import surface_materials
 from . import overlay
 from .operators import (
     DAPPLE_OT_add_material,
-    DAPPLE_OT_paint_blocked,
+    DAPPLE_OT_finish_painting,
+    DAPPLE_OT_paint_blocked_areas,
     DAPPLE_OT_paint_density,
-    DAPPLE_OT_paint_done,
     DAPPLE_OT_remove_material,
     DAPPLE_OT_show_density,
 )
@@ -35,7 +35,7 @@ from .painting import painted_group, painted_scatter
 
 SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_camera")
 _ENDS = ("_invert", "_strength")  # which are in a row of their own
-_AVOIDED = [one for one in DENSITY if "obstacles" in (one.name, one.under)]
+_AVOIDED = [one for one in DENSITY if "avoid_collection" in (one.name, one.under)]
 _PLAIN = [
     one for one in DENSITY if not {one.name, one.under} & set(SWITCHES) and one not in _AVOIDED
 ]
@@ -55,14 +55,14 @@ class DAPPLE_PT_density(ScatterPanel, bpy.types.Panel):
         layout.use_property_split, layout.use_property_decorate = True, False
         column = layout.column(align=True)
         column.operator(DAPPLE_OT_paint_density.bl_idname, icon="WPAINT_HLT")
-        column.operator(DAPPLE_OT_paint_blocked.bl_idname, icon="WPAINT_HLT")
+        column.operator(DAPPLE_OT_paint_blocked_areas.bl_idname, icon="WPAINT_HLT")
         for switch, rows in groupby(_PLAIN, key=lambda setting: setting.under):
             if not switch or getattr(settings.density, switch):
                 for setting in rows:
                     _draw(layout, settings, setting)
         _draw_masks(layout, context.object)
         for setting in _AVOIDED:
-            if not setting.under or settings.density.obstacles:
+            if not setting.under or settings.density.avoid_collection:
                 _draw(layout, settings, setting)
         _draw_shown(layout, context.object)
 
@@ -216,7 +216,7 @@ def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> boo
     _draw_weight(layout, context.tool_settings)
     row = layout.row()
     row.scale_y = 1.5
-    row.operator(DAPPLE_OT_paint_done.bl_idname, text="Done", icon="CHECKMARK")
+    row.operator(DAPPLE_OT_finish_painting.bl_idname, text="Done", icon="CHECKMARK")
     draw_amount(layout, obj.dapple)
     layout.prop(obj.dapple, "auto_update")
     draw_result(layout, context, obj)
@@ -228,7 +228,7 @@ def _what(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, str]:
     group, painted = painted_group(context)
     if painted is None:
         return told("'{name}' does not use the active vertex group", name=obj.name), "ERROR"
-    if painted.setting == "blocked":
+    if painted.setting == "blocked_areas":
         text = told("Painting where '{name}' has no points: '{group}'", name=obj.name, group=group)
         return text, "WPAINT_HLT"
     text = told("Painting the density of '{name}': '{group}'", name=obj.name, group=group)

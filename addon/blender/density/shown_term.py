@@ -29,13 +29,13 @@ class Asked:
 
 def asked_of(obj: bpy.types.Object) -> Asked:
     """What is to be shown of a scatter now."""
-    surface, settings, at = surface_of(obj), settings_of(obj), obj.dapple.class_index
+    surface, settings, at = surface_of(obj), settings_of(obj), obj.dapple.object_type_index
     term = obj.dapple.density.shown_term
     alone, density = term != ALL, ""
     if alone:
         settings = replace(settings, density=settings.density.alone(term))
-    elif 0 <= at < len(settings.classes):
-        density = settings.classes[at].density
+    elif 0 <= at < len(settings.object_types):
+        density = settings.object_types[at].density
     camera = b""
     if settings.density.use_camera:
         camera = read_camera(bpy.context.evaluated_depsgraph_get()).tobytes()
@@ -46,8 +46,8 @@ def watched_by(obj: bpy.types.Object, asked: Asked) -> frozenset[int]:
     """Data-blocks whose updates mean that the colors may be others, by session_uid."""
     surface, density = surface_of(obj), asked.settings.density
     found = [surface, surface.data, obj.dapple.density.image]
-    if density.obstacles:
-        found += obstacles_of(density.obstacles, surface, obj)
+    if density.avoid_collection:
+        found += obstacles_of(density.avoid_collection, surface, obj)
     for target in targets_of(density, surface, obj):
         found += [target, target.data]
     return frozenset(one.session_uid for one in found if one is not None)

@@ -211,11 +211,11 @@ SUBSCRIBER = Subscriber(
 )
 
 
-class DAPPLE_OT_preview(AllOrNothing, bpy.types.Operator):
+class DAPPLE_OT_live_preview(AllOrNothing, bpy.types.Operator):
     """Keep the points even in the viewport while scrubbing or posing, but not in renders. Run
     again to stop"""
 
-    bl_idname = "dapple.preview"
+    bl_idname = "dapple.live_preview"
     bl_label = "Live Preview"
 
     @classmethod
@@ -227,4 +227,4 @@ class DAPPLE_OT_preview(AllOrNothing, bpy.types.Operator):
         (stop if is_on(obj) else start)(obj)
 
 
-CLASSES = (DAPPLE_OT_preview,)
+CLASSES = (DAPPLE_OT_live_preview,)

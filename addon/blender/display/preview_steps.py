@@ -44,10 +44,10 @@ def begin_steps(preview: Preview) -> Steps:
     read = yield from read_parts(preview.surface, settings, preview.scatter)
     arrays = yield Task(lambda _: read.arrays())
     obj, surface = preview.scatter.get(), preview.surface.get()
-    if obj.dapple.bound_to == "FACES" and other_faces(obj, arrays):
+    if obj.dapple.attached_to == "FACES" and other_faces(obj, arrays):
         raise ScatterError(f"Scatter '{obj.name}' is out of date: {other_faces(obj, arrays)}")
     binding, columns = yield from current_steps(obj, surface, arrays)
-    begin = Start(binding, columns["id"], columns["dapple_class"], settings)
+    begin = Start(binding, columns["id"], columns["dapple_object_type"], settings)
     follower = yield Task(lambda context: Follower(arrays, begin, context))
     preview.follower, preview.mesh = follower, read.mesh
     show_binding(preview.scatter.get(), follower.binding)
@@ -62,7 +62,7 @@ def follow_steps(preview: Preview) -> Steps:
         return (yield from begin_steps(preview))
     mesh, follower = (yield from mesh_parts(preview.surface, preview.mesh)), preview.follower
     if not mesh.same_faces(preview.mesh):
-        if obj.dapple.bound_to == "REST":
+        if obj.dapple.attached_to == "REST":
             return (yield from begin_steps(preview))
         follower.check((yield Task(lambda _: surface_of_raw(mesh))))
     if mesh.same_place(preview.mesh) and is_shown(obj):

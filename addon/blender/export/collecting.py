@@ -117,8 +117,8 @@ def _copied(obj: bpy.types.Object, name: str) -> bpy.types.Mesh:
 
 def _classes_of(obj: bpy.types.Object) -> dict[int, int]:
     """The object type of each id."""
-    found = read_columns(obj.data, {"id": "INT", "dapple_class": "INT"})
-    return dict(zip(found["id"].tolist(), found["dapple_class"].tolist(), strict=True))
+    found = read_columns(obj.data, {"id": "INT", "dapple_object_type": "INT"})
+    return dict(zip(found["id"].tolist(), found["dapple_object_type"].tolist(), strict=True))
 
 
 @contextmanager

@@ -24,11 +24,11 @@ FORMATS = (
 )
 
 
-class DAPPLE_OT_export(AllOrNothing, bpy.types.Operator, ExportHelper):
+class DAPPLE_OT_export_points(AllOrNothing, bpy.types.Operator, ExportHelper):
     """Write the instances of the selected scatters to a file for other programs, with the objects
     that stand there"""
 
-    bl_idname = "dapple.export"
+    bl_idname = "dapple.export_points"
     bl_label = "Export Dapple Points"
 
     filter_glob: StringProperty(
@@ -114,7 +114,9 @@ def _said(written: Written) -> list[tuple[str, str]]:
 
 def draw_menu(menu: Any, _context: bpy.types.Context) -> None:
     """File > Export."""
-    menu.layout.operator(DAPPLE_OT_export.bl_idname, text="Dapple Points (.usd/.glb/.csv/.npz)")
+    menu.layout.operator(
+        DAPPLE_OT_export_points.bl_idname, text="Dapple Points (.usd/.glb/.csv/.npz)"
+    )
 
 
 def register() -> None:
@@ -127,4 +129,4 @@ def unregister() -> None:
     bpy.types.TOPBAR_MT_file_export.remove(draw_menu)
 
 
-CLASSES = (DAPPLE_OT_export,)
+CLASSES = (DAPPLE_OT_export_points,)

@@ -129,7 +129,7 @@ def depends_on(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[int, tuple
     """What a result depends on, by session_uid, and the parts that are read of it."""
     density, surface = obj.dapple.density, obj.dapple.surface
     found: dict[int, tuple[str, ...]] = {obj.session_uid: ()}
-    around = [scene, density.image, *_obstacles(density.obstacles)]
+    around = [scene, density.image, *_obstacles(density.avoid_collection)]
     if density.use_distance:
         around += _with_data(density.distance_object)
         around += _obstacles(density.distance_collection)

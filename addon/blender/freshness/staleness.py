@@ -100,7 +100,7 @@ def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looke
     surface = obj.dapple.surface
     if is_joined(surface) and _parts_reason(surface):
         reason = _parts_reason(surface)
-    elif obj.dapple.bound_to == "REST":
+    elif obj.dapple.attached_to == "REST":
         reason = _rest_reason(surface)
     else:
         reason = _faces_reason(obj, depsgraph, looked)
@@ -158,9 +158,9 @@ def needs_solving(obj: bpy.types.Object, now: Sources) -> bool:
     brought back the points or the settings, but not both.
     """
     known = obj.dapple.surface_topology.split()
-    on_faces = obj.dapple.bound_to == "FACES" and bool(known)
+    on_faces = obj.dapple.attached_to == "FACES" and bool(known)
     other_faces = on_faces and now.exact["faces"] not in known
-    other_binding = obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to)
+    other_binding = obj.dapple.attach_to not in ("AUTO", obj.dapple.attached_to)
     undone = bool(obj.dapple.solved_points) and points_digest(obj) != obj.dapple.solved_points
     placed = touched_places(obj) is not None
     changed = placed or other_faces or other_binding or undone
@@ -206,7 +206,10 @@ def _motion_reason(obj: bpy.types.Object, scene: bpy.types.Scene, looked: Looked
     columns = frames(obj)
     stored = np.array([columns[f"dapple_sketch{k}"][frame] for k in range(3)], dtype=np.float64)
     if stored.any() or looked.bare:
-        if obj.dapple.bound_to == "REST" and looked.vertices != columns["dapple_vertices"][frame]:
+        if (
+            obj.dapple.attached_to == "REST"
+            and looked.vertices != columns["dapple_vertices"][frame]
+        ):
             return ""  # other faces of the same shape: vertices cannot be compared
         if not moved(stored, looked.sketched):
             return ""

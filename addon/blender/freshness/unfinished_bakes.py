@@ -29,7 +29,7 @@ from ..scatter.points import own_columns
 _FOLDER = re.compile(r".*?-([0-9a-f]{8})(-[0-9a-f]{8})?")
 _KEY = re.compile("[0-9a-f]{8}")
 _Way = tuple[Settings, str, int]  # what a bake begins with besides the points
-_START_COLUMNS = {**ROW_ATTRIBUTES, "id": "INT", "dapple_class": "INT"}
+_START_COLUMNS = {**ROW_ATTRIBUTES, "id": "INT", "dapple_object_type": "INT"}
 
 
 @dataclass
@@ -161,9 +161,9 @@ def _known_start(obj: bpy.types.Object) -> str:
 def _way_of_baking(obj: bpy.types.Object) -> str:
     """How frames follow from each other."""
     settings = obj.dapple
-    if settings.count_over_time == "KEEP_DENSITY":
-        return f"{settings.count_over_time}-{settings.fade_frames}"
-    return str(settings.bake_smoothing)
+    if settings.population == "KEEP_DENSITY":
+        return f"{settings.population}-{settings.fade_duration}"
+    return str(settings.smoothing)
 
 
 def _counted(obj: bpy.types.Object) -> tuple[int, int]:

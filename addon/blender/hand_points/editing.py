@@ -66,7 +66,7 @@ def end_editing(context: bpy.types.Context) -> tuple[int, int]:
     try:
         moved, lost = moved_points(obj), _lost(obj)
         if (moved | new_points(obj)).any() or len(lost):
-            kind = obj.dapple.class_index if obj.dapple.classes else 0
+            kind = obj.dapple.object_type_index if obj.dapple.object_types else 0
             moved = take_in(obj, moved, kind, lost)
     except ScatterError:
         bpy.ops.object.mode_set(mode=mode)

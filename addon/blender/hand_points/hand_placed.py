@@ -60,12 +60,12 @@ def take_in(
     surface = surface_of(obj)
     arrays, placed = read(surface), new_points(obj) | moved
     before, columns = binding_now(obj, surface, arrays), columns_with_own_ids(obj)
-    columns["dapple_class"][blank_points(obj)] = kind
+    columns["dapple_object_type"][blank_points(obj)] = kind
     places = to_world(obj, read_points(obj.data))
     found = attached(before, places, placed, arrays, obj.dapple.forward)
     if lost is not None:
         found = replace(found, touched=np.concatenate([found.touched, lost]))
-    with rest_position(Held(surface), obj.dapple.bound_to):
+    with rest_position(Held(surface), obj.dapple.attached_to):
         rest = _rest(obj, surface, arrays, found.binding, placed)
         solved = obj.dapple.solved_points
         write_placed(obj, arrays, found, placed, columns, rest)
@@ -82,7 +82,7 @@ def _rest(
     placed: Chosen,
 ) -> AtRest | None:
     """Places on the rest shape, if points are bound to it; those that stay have the same ones."""
-    found = rest_of(surface, arrays, binding, obj.dapple.bound_to)
+    found = rest_of(surface, arrays, binding, obj.dapple.attached_to)
     if found is None or other_faces(obj, arrays):
         return found
     before = read_at_rest(obj)
@@ -101,10 +101,10 @@ def follow_count(obj: bpy.types.Object) -> None:
     if not obj.dapple.solved_settings:
         return
     changed = changed_settings(obj.dapple.solved_settings, settings_of(obj))
-    classes = point_columns_of(obj)["dapple_class"]
-    if "classes" not in changed:
-        counts = np.bincount(classes, minlength=len(obj.dapple.classes))
-        for kind, count in zip(obj.dapple.classes, counts.tolist(), strict=False):
+    classes = point_columns_of(obj)["dapple_object_type"]
+    if "object_types" not in changed:
+        counts = np.bincount(classes, minlength=len(obj.dapple.object_types))
+        for kind, count in zip(obj.dapple.object_types, counts.tolist(), strict=False):
             if kind.use_count and kind.count != count and count:
                 kind.count = count
     if obj.dapple.amount == "COUNT" and "count" not in changed and len(classes):

@@ -33,10 +33,10 @@ class DAPPLE_OT_edit_points(AllOrNothing, bpy.types.Operator):
         begin_editing(context)
 
 
-class DAPPLE_OT_edit_points_done(AllOrNothing, bpy.types.Operator):
+class DAPPLE_OT_finish_editing_points(AllOrNothing, bpy.types.Operator):
     """Leave Edit Mode, attach added and moved points to the surface and lock them"""
 
-    bl_idname = "dapple.edit_points_done"
+    bl_idname = "dapple.finish_editing_points"
     bl_label = "Finish Editing Points"
     bl_options = OPTIONS
 
@@ -156,11 +156,11 @@ class DAPPLE_OT_remove_point(_PlacesPoint, _OfPoint, bpy.types.Operator):
         remove_point(obj, self.id)
 
 
-class DAPPLE_OT_lock(AllOrNothing, bpy.types.Operator):
+class DAPPLE_OT_lock_points(AllOrNothing, bpy.types.Operator):
     """Keep the selected points in place when the scatter is optimized, or unlock them. Points can
     be moved, added and deleted in Edit Mode first. In a bake all points move"""
 
-    bl_idname = "dapple.lock"
+    bl_idname = "dapple.lock_points"
     bl_label = "Lock or Unlock Points"
     bl_options = OPTIONS
 
@@ -184,10 +184,10 @@ class DAPPLE_OT_lock(AllOrNothing, bpy.types.Operator):
 
 CLASSES = (
     DAPPLE_OT_edit_points,
-    DAPPLE_OT_edit_points_done,
+    DAPPLE_OT_finish_editing_points,
     DAPPLE_OT_add_point,
     DAPPLE_OT_place_point,
     DAPPLE_OT_move_point,
     DAPPLE_OT_remove_point,
-    DAPPLE_OT_lock,
+    DAPPLE_OT_lock_points,
 )

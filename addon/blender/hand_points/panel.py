@@ -10,10 +10,10 @@ from ..base.translation import OWN, counted, told
 from ..object_types.panel import active_type
 from ..scatter.panel import ScatterPanel
 from .editing import edited_scatter
-from .operators import DAPPLE_OT_edit_points, DAPPLE_OT_edit_points_done, DAPPLE_OT_lock
+from .operators import DAPPLE_OT_edit_points, DAPPLE_OT_finish_editing_points, DAPPLE_OT_lock_points
 from .tool import DAPPLE_TOOL_points
 
-_DIRECTION = ("align", "turn_randomness", "tilt", "offset")
+_DIRECTION = ("align_to_normal", "random_turn", "random_tilt", "offset")
 
 
 def draw_editing(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool:
@@ -26,7 +26,7 @@ def draw_editing(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool
     lines_of(layout, told("Added and moved points come down on the surface and are locked"))
     row = layout.row()
     row.scale_y = 1.5
-    row.operator(DAPPLE_OT_edit_points_done.bl_idname, text="Done", icon="CHECKMARK")
+    row.operator(DAPPLE_OT_finish_editing_points.bl_idname, text="Done", icon="CHECKMARK")
     return True
 
 
@@ -54,10 +54,10 @@ def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     tool.name = DAPPLE_TOOL_points.bl_idname
     row = layout.row(align=True)
     lock = row.operator(
-        DAPPLE_OT_lock.bl_idname, text="Lock Selected", text_ctxt=OWN, icon="LOCKED"
+        DAPPLE_OT_lock_points.bl_idname, text="Lock Selected", text_ctxt=OWN, icon="LOCKED"
     )
     lock.lock = True
-    row.operator(DAPPLE_OT_lock.bl_idname, text="", icon="UNLOCKED").lock = False
+    row.operator(DAPPLE_OT_lock_points.bl_idname, text="", icon="UNLOCKED").lock = False
     if obj.dapple.locked_count:
         text = counted(
             obj.dapple.locked_count, "{count} point is locked", "{count:,} points are locked"

@@ -73,7 +73,7 @@ class DAPPLE_OT_pull_point(bpy.types.Operator):
         if self.remove and point is not None:
             remove_point(obj, point)
         elif not self.remove and point is None:
-            kind = obj.dapple.class_index if obj.dapple.classes else 0
+            kind = obj.dapple.object_type_index if obj.dapple.object_types else 0
             add_point(obj, place, kind)
         elif point is None:
             return {"CANCELLED"}

@@ -27,12 +27,12 @@ from ..settings.updates import settings_changed
 from ..surface.played import places_now
 from ..surface.polls import may_be_listed, writable
 
-_COUNTING = {"count", "per_area", "density", "classes"}  # what the number of points depends on
+_COUNTING = {"count", "per_area", "density", "object_types"}  # what the number of points depends on
 
 
 def change_classes(obj: bpy.types.Object, action: str) -> None:
     """ADD, REMOVE, UP or DOWN, at the class that is shown; the node group follows."""
-    kinds, at = obj.dapple.classes, obj.dapple.class_index
+    kinds, at = obj.dapple.object_types, obj.dapple.object_type_index
     if action == "ADD":
         _add(obj)
         at = len(kinds) - 1
@@ -44,14 +44,14 @@ def change_classes(obj: bpy.types.Object, action: str) -> None:
         if 0 <= to < len(kinds):
             kinds.move(at, to)
             at = to
-    obj.dapple.class_index = max(at, 0)
+    obj.dapple.object_type_index = max(at, 0)
     ensure_modifier(obj)
     write_instance_inputs(obj)
 
 
 def _add(obj: bpy.types.Object) -> None:
-    kind = obj.dapple.classes.add()
-    count = len(obj.dapple.classes)
+    kind = obj.dapple.object_types.add()
+    count = len(obj.dapple.object_types)
     kind.name = f"Type {count}"  # until it has an instance
     if count > 1:
         return
@@ -76,14 +76,14 @@ def count_labels(obj: bpy.types.Object) -> list[str]:
             settings = with_area(settings, _solved_mass(obj))
         return [f"~{count:,}" for count in class_counts(settings)]
     except ScatterError:
-        return ["?"] * len(obj.dapple.classes)
+        return ["?"] * len(obj.dapple.object_types)
 
 
 def _counted(obj: bpy.types.Object) -> list[int]:
     """The points of each class that are there."""
     classes, most = (
-        own_columns(obj, {"dapple_class": "INT"})["dapple_class"],
-        len(obj.dapple.classes),
+        own_columns(obj, {"dapple_object_type": "INT"})["dapple_object_type"],
+        len(obj.dapple.object_types),
     )
     return np.bincount(classes, minlength=most)[:most].tolist()
 
@@ -141,10 +141,10 @@ def _row(ids: Ints, one: int, name: str) -> int:
     return int(found[0])
 
 
-class DAPPLE_OT_edit_classes(AllOrNothing, bpy.types.Operator):
+class DAPPLE_OT_edit_object_types(AllOrNothing, bpy.types.Operator):
     """Edit the list of object types; optimize again to apply"""
 
-    bl_idname = "dapple.edit_classes"
+    bl_idname = "dapple.edit_object_types"
     bl_label = "Edit Object Types"
     bl_options = OPTIONS
 
@@ -194,7 +194,7 @@ class DAPPLE_OT_select_overlap(AllOrNothing, bpy.types.Operator):
 
 
 CLASSES = (
-    DAPPLE_OT_edit_classes,
+    DAPPLE_OT_edit_object_types,
     DAPPLE_OT_select_overlap,
 )
 
@@ -209,9 +209,9 @@ def _updated(evaluation: Evaluation) -> None:
 
 
 def _follow(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
-    if any([follow_members(kind) for kind in (obj.dapple, *obj.dapple.classes)]):
+    if any([follow_members(kind) for kind in (obj.dapple, *obj.dapple.object_types)]):
         write_instance_inputs(obj)
-    for kind in obj.dapple.classes:
+    for kind in obj.dapple.object_types:
         follow_bounds(kind, depsgraph)
 
 

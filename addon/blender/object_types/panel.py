@@ -6,13 +6,13 @@ import bpy
 from ..base.panel_values import Prepared
 from ..base.translation import told
 from ..scatter.panel import ScatterPanel
-from .classes import DAPPLE_OT_edit_classes, DAPPLE_OT_select_overlap, count_labels
+from .classes import DAPPLE_OT_edit_object_types, DAPPLE_OT_select_overlap, count_labels
 
 _AXES = ("scale_x", "scale_y", "scale_z")
 _TOLD = 0.005  # what becomes 1 % at least
 
 
-class DAPPLE_UL_classes(bpy.types.UIList):
+class DAPPLE_UL_object_types(bpy.types.UIList):
     """Name of each class, and how many points it gets."""
 
     def draw_item(
@@ -70,10 +70,10 @@ def _draw_size(layout: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
     column = layout.column(align=True)
     column.prop(owner, "scale")
     _draw_axes(column.split(factor=0.4), owner)
-    column.prop(owner, "scale_randomness", text="Random Down")
-    column.prop(owner, "scale_growth", text="Random Up")
+    column.prop(owner, "random_scale_down", text="Random Down")
+    column.prop(owner, "random_scale_up", text="Random Up")
     column = layout.column(align=True)
-    column.prop(owner, "fit")
+    column.prop(owner, "fit_to_spacing")
     column.prop(owner, "density_scale")
 
 
@@ -90,7 +90,7 @@ def _draw_axes(split: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
 
 def active_type(settings: bpy.types.AnyType) -> bpy.types.AnyType:
     """The object type that the panels show; the scatter's own settings where it has none."""
-    kinds, at = settings.classes, settings.class_index
+    kinds, at = settings.object_types, settings.object_type_index
     return kinds[min(max(at, 0), len(kinds) - 1)] if kinds else settings
 
 
@@ -104,12 +104,14 @@ def _overlap(settings: bpy.types.AnyType) -> str:
 
 
 def _draw_class_list(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
-    edit = DAPPLE_OT_edit_classes.bl_idname
-    if not settings.classes:
+    edit = DAPPLE_OT_edit_object_types.bl_idname
+    if not settings.object_types:
         layout.operator(edit, text="Add Object Type", icon="ADD").action = "ADD"
         return
     row = layout.row()
-    row.template_list(DAPPLE_UL_classes.__name__, "", settings, "classes", settings, "class_index")
+    row.template_list(
+        DAPPLE_UL_object_types.__name__, "", settings, "object_types", settings, "object_type_index"
+    )
     column = row.column(align=True)
     icons = {"ADD": "ADD", "REMOVE": "REMOVE", "UP": "TRIA_UP", "DOWN": "TRIA_DOWN"}
     for action, icon in icons.items():
@@ -124,7 +126,7 @@ def _draw_class(layout: bpy.types.UILayout, kind: bpy.types.AnyType) -> None:
     part.prop(kind, "count", text="")
     part = layout.row()
     part.active = not kind.use_count
-    part.prop(kind, "share")
+    part.prop(kind, "weight")
     row = layout.row(align=True)
     part = row.row(align=True)
     part.active = not kind.radius_from_bounds

@@ -49,11 +49,11 @@ def less_and_less(
     yield preset, ""
     if not preset:
         return
-    bound = {name: value for name, value in preset.get("", {}).items() if name != "bind_to"}
+    bound = {name: value for name, value in preset.get("", {}).items() if name != "attach_to"}
     even = {name: group for name, group in preset.items() if name != "density"}
     if presets.CLASSES in even:
         even[presets.CLASSES] = [{**own, "density": ""} for own in even[presets.CLASSES]]
-    if "bind_to" in preset.get("", {}) and "bind_to" not in chosen:
+    if "attach_to" in preset.get("", {}) and "attach_to" not in chosen:
         yield {**preset, "": bound}, reported("attachment")
     if even != preset:
         yield even, reported("density")
@@ -92,7 +92,7 @@ def met(
     density = dict(values.get("density", {}))
     asked: dict[str, Callable[[bpy.types.Mesh], Any]] = {
         "attribute": lambda mesh: read_weights(surface, mesh, density["attribute"]),
-        "blocked": lambda mesh: read_weights(surface, mesh, density["blocked"]),
+        "blocked_areas": lambda mesh: read_weights(surface, mesh, density["blocked_areas"]),
         "use_camera": lambda _: check_camera(context.scene),
         "uv_map": lambda mesh: uv_layer(surface, mesh, density["uv_map"]),
     }

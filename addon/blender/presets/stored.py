@@ -25,9 +25,9 @@ def values_of(obj: bpy.types.Object) -> presets.Values:
     values: presets.Values = {
         group: _values(_group(obj, group), names) for group, names in presets.NAMES.items()
     }
-    if obj.dapple.classes:
+    if obj.dapple.object_types:
         values[presets.CLASSES] = [
-            _values(kind, presets.CLASS_NAMES) for kind in obj.dapple.classes
+            _values(kind, presets.CLASS_NAMES) for kind in obj.dapple.object_types
         ]
     return values
 
@@ -81,14 +81,14 @@ def fits(value: Any, known: bpy.types.Property) -> bool:
 
 
 def _set_types(obj: bpy.types.Object, types: list[dict[str, Any]]) -> None:
-    kinds = obj.dapple.classes
+    kinds = obj.dapple.object_types
     for at, own in enumerate(types):
         kinds.move(_that_becomes(kinds, at, [one.get("name") for one in types[at:]]), at)
         for name in sorted(own, key="radius".__eq__):  # last: until then bounds may give it
             setattr(kinds[at], name, own[name])
     while len(kinds) > len(types):
         kinds.remove(len(kinds) - 1)
-    obj.dapple.class_index = min(obj.dapple.class_index, len(kinds) - 1)
+    obj.dapple.object_type_index = min(obj.dapple.object_type_index, len(kinds) - 1)
     ensure_modifier(obj)
     write_instance_inputs(obj)
 

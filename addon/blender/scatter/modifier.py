@@ -42,7 +42,7 @@ def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
     if modifier is None:
         modifier = obj.modifiers.new(GROUP_NAME, "NODES")
     # One that is linked may stay: an override keeps only what it changes in the linked modifier.
-    if not is_current(modifier.node_group, len(obj.dapple.classes), _is_detailed(obj)):
+    if not is_current(modifier.node_group, len(obj.dapple.object_types), _is_detailed(obj)):
         _exchange_group(obj, modifier)
         write_instance_inputs(obj)
     return modifier
@@ -51,7 +51,7 @@ def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
 def _exchange_group(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> None:
     """Give a modifier the group that the scatter needs now; what both groups know stays."""
     before = _inputs(modifier)
-    modifier.node_group = ensure_group(len(obj.dapple.classes), _is_detailed(obj))
+    modifier.node_group = ensure_group(len(obj.dapple.object_types), _is_detailed(obj))
     for name, value in before.items():
         if has_input(modifier, name):
             set_input(modifier, name, value)
@@ -81,8 +81,8 @@ def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifie
     """Give the node group what the points are bound to."""
     set_input(modifier, "Surface", obj.dapple.surface)
     set_input(modifier, "Surface Vertices", obj.dapple.surface_vertices)
-    set_input(modifier, "Rest Binding", obj.dapple.bound_to == "REST")
-    set_input(modifier, "Rest Parts", obj.dapple.bound_parts)
+    set_input(modifier, "Rest Binding", obj.dapple.attached_to == "REST")
+    set_input(modifier, "Rest Parts", obj.dapple.attached_parts)
     set_input(modifier, "Rest Vertices", _rest_vertices(obj))
     set_input(modifier, "Spacing", obj.dapple.report.spacing)
 
@@ -93,7 +93,7 @@ def _rest_vertices(obj: bpy.types.Object) -> int:
     Where the artist chose the rest position, modifiers may make other faces of as many vertices.
     """
     surface, topologies = obj.dapple.surface, obj.dapple.surface_topology.split()
-    by_itself = obj.dapple.bind_to == "AUTO" and surface is not None and not is_fluid(surface)
+    by_itself = obj.dapple.attach_to == "AUTO" and surface is not None and not is_fluid(surface)
     return obj.dapple.surface_vertices if by_itself and len(topologies) == 1 else 0
 
 
@@ -114,7 +114,7 @@ def write_instance_inputs(obj: bpy.types.Object) -> None:
 
 def _kinds(obj: bpy.types.Object) -> list[tuple[int | None, bpy.types.PropertyGroup]]:
     """What is placed, by the object types that there are."""
-    return list(enumerate(obj.dapple.classes)) or [(None, obj.dapple)]
+    return list(enumerate(obj.dapple.object_types)) or [(None, obj.dapple)]
 
 
 def _lacks_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> bool:

@@ -85,8 +85,8 @@ def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
     names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
     if obj.dapple.baked_keys:
         names += changed_baking(obj.dapple.baked_settings, bake_settings_of(obj))
-    if obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to):
-        names.append("bind_to")
+    if obj.dapple.attach_to not in ("AUTO", obj.dapple.attached_to):
+        names.append("attach_to")
     return solve_again(obj, settings_changed(names, say), say) if names else ""
 
 
@@ -99,8 +99,8 @@ def settings_changed(names: list[str], say: Say = told) -> str:
 
 def rest_note(obj: bpy.types.Object, say: Say = told) -> str:
     """That points hold on to the rest position by themselves, and why; empty where not."""
-    surface, chosen = obj.dapple.surface, obj.dapple.bind_to
-    if surface is None or chosen != "AUTO" or obj.dapple.bound_to != "REST":
+    surface, chosen = obj.dapple.surface, obj.dapple.attach_to
+    if surface is None or chosen != "AUTO" or obj.dapple.attached_to != "REST":
         return ""
     if is_fluid(surface):
         return say("Metaballs change their faces: points are attached to the nearest places")
@@ -118,12 +118,12 @@ def solve_again(obj: bpy.types.Object, reason: str, say: Say = told) -> str:
 
 def settings_of(obj: bpy.types.Object) -> Settings:
     """The options that the native package takes."""
-    names = {field.name for field in fields(Settings)} - {"per_area", "classes", "density"}
+    names = {field.name for field in fields(Settings)} - {"per_area", "object_types", "density"}
     values = {name: getattr(obj.dapple, name) for name in names}
     return Settings(
         **values,
         per_area=obj.dapple.points_per_area if obj.dapple.amount == "PER_AREA" else 0.0,
-        classes=tuple(map(_class_settings, obj.dapple.classes)),
+        object_types=tuple(map(_class_settings, obj.dapple.object_types)),
         density=_density_settings(obj.dapple.density),
     )
 
@@ -132,7 +132,7 @@ def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
     """What a bake takes beside them."""
     names = [field.name for field in fields(BakeSettings)]
     values = {name: getattr(obj.dapple, _PROPERTIES[name]) for name in names}
-    if obj.dapple.count_over_time != "KEEP_DENSITY":
+    if obj.dapple.population != "KEEP_DENSITY":
         values["fade"] = 0
     return BakeSettings(**values)
 
@@ -140,10 +140,10 @@ def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
 def follows_masks(obj: bpy.types.Object) -> bool:
     """Whether a bake takes the density of each frame: where frames are solved one by one."""
     settings = obj.dapple
-    if settings.count_over_time == "KEEP_DENSITY":
-        one_by_one = not len(settings.classes)
+    if settings.population == "KEEP_DENSITY":
+        one_by_one = not len(settings.object_types)
     else:
-        one_by_one = settings.bake_smoothing == "FORWARD"
+        one_by_one = settings.smoothing == "FORWARD"
     return bool(settings.masks_over_time == "EACH_FRAME" and one_by_one)
 
 
@@ -172,8 +172,8 @@ def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
 def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:
     names = {field.name for field in fields(ClassSettings)} - {"most_room", "shrinks"}
     values = {name: getattr(kind, name) for name in names} | {"most_room": _most_room(kind)}
-    values["shrinks"] = kind.radius_from_bounds and kind.fit == 1.0
-    values |= {"share": 0.0} if kind.use_count else {"count": 0}
+    values["shrinks"] = kind.radius_from_bounds and kind.fit_to_spacing == 1.0
+    values |= {"weight": 0.0} if kind.use_count else {"count": 0}
     return ClassSettings(**values)
 
 
@@ -186,7 +186,7 @@ def _most_room(kind: bpy.types.PropertyGroup) -> float:
 def scale_of(kind: bpy.types.PropertyGroup) -> float:
     """The largest scale that instances of an object type may have across."""
     across = max(abs(kind.scale_x), abs(kind.scale_y))
-    return largest_scale(kind.scale * across, kind.scale_growth, kind.density_scale)
+    return largest_scale(kind.scale * across, kind.random_scale_up, kind.density_scale)
 
 
 def write_report(obj: bpy.types.Object, report: Report) -> None:

@@ -65,7 +65,7 @@ def columns_with_own_ids(obj: bpy.types.Object) -> Columns:
 
 def points_digest(obj: bpy.types.Object) -> str:
     """Digest of the points as they are stored and bound, without added points."""
-    types = {"position": "FLOAT_VECTOR", **ROW_ATTRIBUTES, "id": "INT", "dapple_class": "INT"}
+    types = {"position": "FLOAT_VECTOR", **ROW_ATTRIBUTES, "id": "INT", "dapple_object_type": "INT"}
     return digest_of(own_columns(obj, types).values())
 
 
@@ -88,11 +88,11 @@ def locked_points(obj: bpy.types.Object) -> Locked | None:
     kept = read_columns(obj.data, {"dapple_locked": "BOOLEAN"})["dapple_locked"] & own_points(obj)
     if not kept.any():
         return None
-    types = {"id": "INT", "dapple_class": "INT", "position": "FLOAT_VECTOR"}
+    types = {"id": "INT", "dapple_object_type": "INT", "position": "FLOAT_VECTOR"}
     columns = {name: values[kept] for name, values in read_columns(obj.data, types).items()}
     check_columns(columns, obj.name)
     places = to_world(obj, read_points(obj.data)[kept])
-    return Locked(places, columns["id"], columns["dapple_class"])
+    return Locked(places, columns["id"], columns["dapple_object_type"])
 
 
 def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Columns]:
@@ -106,7 +106,7 @@ def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Col
 
 def read_at_rest(obj: bpy.types.Object) -> AtRest:
     """Where the points are on the rest shape."""
-    return AtRest(own_columns(obj, REST_ATTRIBUTES), obj.dapple.bound_parts)
+    return AtRest(own_columns(obj, REST_ATTRIBUTES), obj.dapple.attached_parts)
 
 
 def touched_places(obj: bpy.types.Object) -> Floats | None:

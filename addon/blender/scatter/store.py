@@ -72,8 +72,8 @@ def write_binding(
     write_columns(own_mesh(obj), binding.rows(), ROW_ATTRIBUTES)
     if rest is not None:
         write_columns(obj.data, rest.columns, REST_ATTRIBUTES)
-        obj.dapple.bound_parts = rest.parts
-    obj.dapple.bound_to = "FACES" if rest is None else "REST"
+        obj.dapple.attached_parts = rest.parts
+    obj.dapple.attached_to = "FACES" if rest is None else "REST"
     obj.dapple.surface_vertices = len(arrays.vertices)
     obj.dapple.surface_topology = arrays.topology
     obj.dapple.solved_from = on_faces(obj.dapple.solved_from, arrays)

@@ -17,9 +17,9 @@ from ...nodes import GROUP_NAME
 from ..base.translation import OWN
 from .making import STILL, DAPPLE_PG_material, with_settings
 from .property_groups import (
-    DAPPLE_PG_class,
     DAPPLE_PG_density,
     DAPPLE_PG_joined,
+    DAPPLE_PG_object_type,
     DAPPLE_PG_part,
     DAPPLE_PG_parts,
     DAPPLE_PG_report,
@@ -58,19 +58,19 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         description="How often each object of the collection is picked",
         type=DAPPLE_PG_weight,
     )
-    classes: CollectionProperty(
+    object_types: CollectionProperty(
         name="Object Types",
         description="Object types that are scattered together, if there are several",
-        type=DAPPLE_PG_class,
+        type=DAPPLE_PG_object_type,
     )
-    class_index: IntProperty(
+    object_type_index: IntProperty(
         name="Active Object Type",
         description="Object type shown in the panel",
         min=0,
         soft_max=99,
         options=STILL,
     )
-    bound_parts: IntProperty(
+    attached_parts: IntProperty(
         options=STILL,
         name="Attached Parts",
         description="Equal ranges of faces that may overlap in the rest position",
@@ -128,7 +128,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     bake_key: StringProperty(
         name="Bake Key", description="Identifies the frames that a stopped bake left behind"
     )
-    bound_to: EnumProperty(
+    attached_to: EnumProperty(
         name="Attached To",
         description="What the points are attached to now",
         items=BOUND_TO,
@@ -200,7 +200,7 @@ CLASSES = (
     DAPPLE_PG_report,
     DAPPLE_PG_material,
     DAPPLE_PG_weight,
-    DAPPLE_PG_class,
+    DAPPLE_PG_object_type,
     DAPPLE_PG_density,
     DAPPLE_PG_tiles,
     DAPPLE_PG_part,

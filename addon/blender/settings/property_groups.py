@@ -172,8 +172,8 @@ class DAPPLE_PG_weight(bpy.types.PropertyGroup):
     )
 
 
-@with_settings(GROUPS["classes"])
-class DAPPLE_PG_class(bpy.types.PropertyGroup):
+@with_settings(GROUPS["object_types"])
+class DAPPLE_PG_object_type(bpy.types.PropertyGroup):
     """One object type among several; its `name` is what the list shows."""
 
     weights: CollectionProperty(

@@ -32,7 +32,7 @@ def instance_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
 
 def _name(settings: bpy.types.PropertyGroup) -> None:
     """An object type that nobody has named has the name of what it places."""
-    placed, kinds = settings.collection or settings.instance, settings.id_data.dapple.classes
+    placed, kinds = settings.collection or settings.instance, settings.id_data.dapple.object_types
     if placed is None or not _UNNAMED.fullmatch(settings.name):
         return
     if settings.id_data.override_library is None and placed.name not in kinds:
@@ -57,10 +57,10 @@ def material_changed(chosen: bpy.types.PropertyGroup, context: bpy.types.Context
 def weight_changed(entry: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     """Update function of how often an object of a collection is picked."""
     obj = entry.id_data
-    kinds = [kind for kind in (obj.dapple, *obj.dapple.classes) if kind.use_weights]
+    kinds = [kind for kind in (obj.dapple, *obj.dapple.object_types) if kind.use_weights]
     if all(map(is_listed, kinds)):  # else they are being listed
         write_instance_inputs(obj)
-        for kind in obj.dapple.classes:
+        for kind in obj.dapple.object_types:
             _renew_radius(kind)
 
 

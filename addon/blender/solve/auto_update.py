@@ -47,7 +47,7 @@ class _Wish:
     """What the artist has asked for."""
 
     step: str  # name of the undo step, as that of its button
-    drops_keys: bool
+    deletes_keyframes: bool
 
 
 @dataclass
@@ -61,8 +61,11 @@ class _Update:
     shown: int = -1  # hundredths that the panel shows
 
     def __post_init__(self) -> None:
-        asked, drops_keys = self.wish is not None, self.wish is not None and self.wish.drops_keys
-        steps = optimize_steps(self.scatter, asked=asked, drops_keys=drops_keys)
+        asked, deletes_keyframes = (
+            self.wish is not None,
+            self.wish is not None and self.wish.deletes_keyframes,
+        )
+        steps = optimize_steps(self.scatter, asked=asked, deletes_keyframes=deletes_keyframes)
         self.job = Job("Optimize", steps, self._done, self._failed, self._stopped, whole=False)
 
     def writes(self) -> dict[int, Cause]:

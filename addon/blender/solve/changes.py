@@ -220,6 +220,6 @@ def dependencies(obj: bpy.types.Object) -> set[Hashable]:
     found.discard(scene.session_uid)
     if density.use_camera:
         found.add(picture_of(scene))
-    for one in filter(None, (density.obstacles, density.distance_collection)):
+    for one in filter(None, (density.avoid_collection, density.distance_collection)):
         found -= {block.session_uid for block in (one, *one.children_recursive)}
     return found - {one.session_uid for one in collections_of(obj.dapple.surface)}

@@ -22,9 +22,9 @@ from .reattach import rebind_steps
 
 def _asks(operator: Any, context: bpy.types.Context) -> bool:
     """Whether the artist, who has pressed a button, is asked before a bake is taken away."""
-    if not context.object.dapple.baked_keys or operator.drop_keys or bpy.app.background:
+    if not context.object.dapple.baked_keys or operator.delete_keyframes or bpy.app.background:
         return False
-    bpy.ops.dapple.drop_keys("INVOKE_DEFAULT", action=operator._action)
+    bpy.ops.dapple.delete_keyframes("INVOKE_DEFAULT", action=operator._action)
     return True  # it starts again once the user has confirmed
 
 
@@ -32,17 +32,17 @@ class _DropsKeys(StepsOperator):
     """Takes a bake away."""
 
     _action: ClassVar[str]
-    drop_keys: BoolProperty(
+    delete_keyframes: BoolProperty(
         name="Delete Keyframes",
         description="Delete baked keyframes without asking",
         options={"HIDDEN", "SKIP_SAVE"},
     )
 
 
-class DAPPLE_OT_drop_keys(AllOrNothing, bpy.types.Operator):
+class DAPPLE_OT_delete_keyframes(AllOrNothing, bpy.types.Operator):
     """Continue with the operation that deletes the baked keyframes"""
 
-    bl_idname = "dapple.drop_keys"
+    bl_idname = "dapple.delete_keyframes"
     bl_label = "Delete Baked Keyframes"
     bl_options: ClassVar = {"INTERNAL"}
 
@@ -51,7 +51,7 @@ class DAPPLE_OT_drop_keys(AllOrNothing, bpy.types.Operator):
         description="What is done once the keyframes are deleted",
         items=[
             ("OPTIMIZE", "Optimize", "Optimize the points again"),
-            ("REBIND", "Reattach", "Attach the points to the nearest places"),
+            ("REATTACH", "Reattach", "Attach the points to the nearest places"),
         ],
     )
 
@@ -78,7 +78,7 @@ class DAPPLE_OT_drop_keys(AllOrNothing, bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> None:
         operator = getattr(bpy.ops.dapple, self.action.lower())
         try:
-            operator("INVOKE_DEFAULT", drop_keys=True)
+            operator("INVOKE_DEFAULT", delete_keyframes=True)
         except RuntimeError as error:  # what it has reported
             raise ScatterError(str(error).removeprefix("Error: ").strip()) from error
 
@@ -117,14 +117,14 @@ class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
         return Outcome(obj)
 
 
-class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
+class DAPPLE_OT_reattach(_DropsKeys, bpy.types.Operator):
     """Attach the points to the nearest places of a surface whose faces changed. Go to the frame
     and pose in which they were optimized first. Baked keyframes are deleted"""
 
-    bl_idname = "dapple.rebind"
+    bl_idname = "dapple.reattach"
     bl_label = "Reattach"
     bl_options = OPTIONS
-    _action = "REBIND"
+    _action = "REATTACH"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -164,10 +164,10 @@ class DAPPLE_OT_cancel_update(AllOrNothing, bpy.types.Operator):
             auto_update.cancel()
 
 
-class DAPPLE_OT_dismiss(AllOrNothing, bpy.types.Operator):
+class DAPPLE_OT_hide_message(AllOrNothing, bpy.types.Operator):
     """Hide this message"""
 
-    bl_idname = "dapple.dismiss"
+    bl_idname = "dapple.hide_message"
     bl_label = "Hide Message"
     bl_options: ClassVar = {"INTERNAL"}
 
@@ -181,8 +181,8 @@ class DAPPLE_OT_dismiss(AllOrNothing, bpy.types.Operator):
 
 CLASSES = (
     DAPPLE_OT_cancel_update,
-    DAPPLE_OT_dismiss,
-    DAPPLE_OT_drop_keys,
+    DAPPLE_OT_hide_message,
+    DAPPLE_OT_delete_keyframes,
     DAPPLE_OT_optimize,
-    DAPPLE_OT_rebind,
+    DAPPLE_OT_reattach,
 )

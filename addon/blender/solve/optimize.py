@@ -35,7 +35,7 @@ from .session_solutions import before_of, write_solved
 _RELAXED, _EVEN = 0.4, 0.9  # of the progress
 
 
-def optimize_steps(held: Held, *, asked: bool = True, drops_keys: bool = True) -> Steps:
+def optimize_steps(held: Held, *, asked: bool = True, deletes_keyframes: bool = True) -> Steps:
     """Solve a scatter; whether that was done.
 
     What is asked for is solved from the seed; points that the artist moves, locks or bakes
@@ -43,7 +43,7 @@ def optimize_steps(held: Held, *, asked: bool = True, drops_keys: bool = True) -
     it does not fit what is there now, from the points that are there where they can be kept; points
     that were edited by hand are left alone.
     """
-    guard = _Guard(held, drops_keys) if asked else None
+    guard = _Guard(held, deletes_keyframes) if asked else None
     settings = settings_of(held.get())
     with surface_for(held.get()) as surface:
         arrays = yield from read_steps(surface, settings, held)
@@ -62,8 +62,8 @@ def optimize_steps(held: Held, *, asked: bool = True, drops_keys: bool = True) -
 class _Guard:
     """Points that an artist has asked to solve: nothing that was done to them meanwhile is lost."""
 
-    def __init__(self, held: Held, drops_keys: bool) -> None:
-        self._held, self._drops_keys = held, drops_keys
+    def __init__(self, held: Held, deletes_keyframes: bool) -> None:
+        self._held, self._drops_keys = held, deletes_keyframes
         self._before = points_now(held.get())
         self._check_free()
 
@@ -92,11 +92,11 @@ def _kind(
     somebody waits for the result.
     """
     known = obj.dapple.surface_topology.split()
-    automatic = obj.dapple.bind_to == "AUTO" and not is_fluid(surface)
+    automatic = obj.dapple.attach_to == "AUTO" and not is_fluid(surface)
     if automatic and not asked and known == [arrays.topology]:
-        return str(obj.dapple.bound_to)
+        return str(obj.dapple.attached_to)
     with quiet():  # it evaluates a copy in a scene of its own
-        return kind_of_binding(surface, bpy.context, obj.dapple.bind_to)
+        return kind_of_binding(surface, bpy.context, obj.dapple.attach_to)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from ..scatter.panel import ScatterPanel
 from ..surface import subdivision
 from ..surface.subdivision import DAPPLE_OT_match_subdivision
 from . import figure_images
-from .operators import DAPPLE_OT_rebind
+from .operators import DAPPLE_OT_reattach
 from .results_panel import figure_lines
 
 
@@ -52,12 +52,12 @@ class DAPPLE_PT_advanced(ScatterPanel, bpy.types.Panel):
 
 
 def _draw_attached(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    layout.prop(obj.dapple, "bind_to")
+    layout.prop(obj.dapple, "attach_to")
     if rest_note(obj):
         lines_of(layout, rest_note(obj), "INFO")
         if subdivision.DIFFERENCES.of(obj.dapple.surface):
             layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
-    layout.operator(DAPPLE_OT_rebind.bl_idname)
+    layout.operator(DAPPLE_OT_reattach.bl_idname)
 
 
 def _draw_figures(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:

@@ -21,12 +21,12 @@ def rebind_steps(context: bpy.types.Context) -> Steps:
     """Bind the active scatter to the places of its surface that are nearest to its points."""
     held = Held(context.object)
     with surface_for(context.object) as surface:
-        kind = kind_of_binding(surface.get(), context, context.object.dapple.bind_to)
+        kind = kind_of_binding(surface.get(), context, context.object.dapple.attach_to)
         before, arrays = points_now(context.object), read(surface.get())
         points, columns = places_of(context.object), columns_with_own_ids(context.object)
         settings = settings_of(context.object)
         binding = yield Task(lambda _: nearest_binding(points, arrays))
-        columns["dapple_room"] = rooms(points, columns["dapple_class"], settings)
+        columns["dapple_room"] = rooms(points, columns["dapple_object_type"], settings)
         obj = held.get()
         check_points_kept(obj, before, "attached")
         with as_read(arrays, surface), rest_position(surface, kind):

@@ -8,7 +8,7 @@ from ..base.labels import BUTTON, lines_of
 from ..base.translation import counted, told
 from ..freshness import findings
 from . import auto_update
-from .operators import DAPPLE_OT_cancel_update, DAPPLE_OT_dismiss
+from .operators import DAPPLE_OT_cancel_update, DAPPLE_OT_hide_message
 
 _NOTICED = 0.02  # of an area variation, that is worth a line ...
 _SHARE = 0.3  # ... if it is that much of the whole
@@ -142,7 +142,7 @@ def draw_work(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     column = row.column(align=True)
     for kind, text in said:
         lines_of(column, text, _ICONS[kind], BUTTON)
-    row.operator(DAPPLE_OT_dismiss.bl_idname, text="", icon="X")
+    row.operator(DAPPLE_OT_hide_message.bl_idname, text="", icon="X")
 
 
 def _end_bar(layout: bpy.types.UILayout) -> None:

@@ -57,7 +57,7 @@ def known_as_placed(obj: bpy.types.Object, before: str, binding: Binding) -> Non
     (solved, ids), columns = _known[before], point_columns_of(obj)
     if obj.dapple.surface_topology.split() != [solved.arrays.topology]:
         return
-    placed = as_placed(solved, ids, binding, columns["id"], columns["dapple_class"])
+    placed = as_placed(solved, ids, binding, columns["id"], columns["dapple_object_type"])
     _remember(points_digest(obj), placed, columns["id"])
 
 

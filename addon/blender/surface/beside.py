@@ -27,7 +27,7 @@ def own_objects(scatter: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
     settings = scatter.dapple
     yield scatter
     yield from _with_its_mesh(settings.tiles.object)
-    for placed in (settings, *settings.classes):
+    for placed in (settings, *settings.object_types):
         if placed.instance:
             yield placed.instance
         if placed.collection:

@@ -55,7 +55,7 @@ def binding_now(obj: bpy.types.Object, surface: bpy.types.Object, arrays: Surfac
     hand, which are nowhere yet.
     """
     reason = other_faces(obj, arrays)
-    if reason and obj.dapple.bound_to != "REST":
+    if reason and obj.dapple.attached_to != "REST":
         raise ScatterError(f"Scatter '{obj.name}' is out of date: {reason}. Optimize it first")
     stored = binding_from(own_columns(obj, ROW_ATTRIBUTES))
     blank = unbound(stored)
@@ -80,7 +80,7 @@ def current_binding(
 
 def current_steps(obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays) -> Steps:
     """The same in steps."""
-    if obj.dapple.bound_to != "REST" or not other_faces(obj, arrays):
+    if obj.dapple.attached_to != "REST" or not other_faces(obj, arrays):
         return read_binding(obj, len(arrays.vertices))
     stored, columns = read_at_rest(obj), point_columns_of(obj)
     if arrays.rest is None:

@@ -20,14 +20,14 @@ from .mesh import evaluated_mesh
 from .subdivision import check_render_topology, render_mismatch
 
 
-def kind_of_binding(obj: bpy.types.Object, context: bpy.types.Context, bind_to: str) -> str:
-    """FACES or REST, as bind_to says for a surface; ScatterError where that cannot be."""
+def kind_of_binding(obj: bpy.types.Object, context: bpy.types.Context, attach_to: str) -> str:
+    """FACES or REST, as attach_to says for a surface; ScatterError where that cannot be."""
     if is_fluid(obj):
-        return _kind_of_fluid(obj, bind_to)
-    if bind_to == "AUTO":
+        return _kind_of_fluid(obj, attach_to)
+    if attach_to == "AUTO":
         other = obj.type == "MESH" and render_mismatch(obj, context)
-        bind_to = "REST" if other else "FACES"
-    if bind_to == "FACES":
+        attach_to = "REST" if other else "FACES"
+    if attach_to == "FACES":
         check_render_topology(obj, context)
     elif obj.type != "MESH":
         raise ScatterError(
@@ -35,7 +35,7 @@ def kind_of_binding(obj: bpy.types.Object, context: bpy.types.Context, bind_to: 
         )
     else:
         _check_rest_can_be_on(obj)
-    return bind_to
+    return attach_to
 
 
 def _check_rest_can_be_on(obj: bpy.types.Object) -> None:
@@ -50,8 +50,8 @@ def _with_rest_position(surface: bpy.types.Object) -> list[bpy.types.Object]:
     return [part for part in parts_of(surface) if part.type == "MESH"]
 
 
-def _kind_of_fluid(obj: bpy.types.Object, bind_to: str) -> str:
-    if bind_to == "FACES":
+def _kind_of_fluid(obj: bpy.types.Object, attach_to: str) -> str:
+    if attach_to == "FACES":
         raise ScatterError(
             f"Surface '{obj.name}' is a metaball, whose faces change when it moves and in "
             "renders: set Attach To to Automatic"

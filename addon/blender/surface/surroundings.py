@@ -120,9 +120,9 @@ def parts_beside(
         yield from _picture_parts(found, density, known)
     if density.use_camera:
         found.camera = read_camera(evaluated())
-    if density.obstacles:
-        others = obstacles_of(density.obstacles, surface.get(), _object(own))
-        found.points, found.radii = balls(others, density.obstacle_margin, known.scatters)
+    if density.avoid_collection:
+        others = obstacles_of(density.avoid_collection, surface.get(), _object(own))
+        found.points, found.radii = balls(others, density.avoid_margin, known.scatters)
         for other in [Held(one) for one in others if not is_scatter(one)]:
             found.obstacles.append((yield from _mesh_beside(other, known)))
     yield from _target_parts(found, density, surface, own, known)
@@ -222,12 +222,12 @@ def balls(
 
 def _radii(obj: bpy.types.Object, count: int) -> Floats:
     """Of a scatter's instances, by their classes; 0 where none is set."""
-    own = np.array([kind.radius for kind in obj.dapple.classes])
-    if not len(own) or "dapple_class" not in obj.data.attributes:
+    own = np.array([kind.radius for kind in obj.dapple.object_types])
+    if not len(own) or "dapple_object_type" not in obj.data.attributes:
         return np.zeros(count)
-    columns = read_columns(obj.data, {"dapple_class": "INT"})
+    columns = read_columns(obj.data, {"dapple_object_type": "INT"})
     check_columns(columns, obj.name)
-    found: Floats = own[np.minimum(columns["dapple_class"], len(own) - 1)]
+    found: Floats = own[np.minimum(columns["dapple_object_type"], len(own) - 1)]
     return found
 
 

@@ -20,7 +20,7 @@ from ..scatter.object import is_scatter
 from ..surface.bound import rest_of
 
 COLOR = "Color"
-_FACE_ATTRIBUTES = {"cell": "cells", "dapple_class": "classes"}
+_FACE_ATTRIBUTES = {"cell": "cells", "dapple_object_type": "classes"}
 _OFFSET = {tiles.OFFSET: "FLOAT_VECTOR"}
 
 
@@ -126,7 +126,7 @@ def have_follow(
     They are where the surface is then; moved away, they deform there.
     """
     surface = obj.dapple.surface
-    rest = rest_of(surface, arrays, binding, obj.dapple.bound_to)
+    rest = rest_of(surface, arrays, binding, obj.dapple.attached_to)
     write_columns(made.data, binding.rows(), ROW_ATTRIBUTES)
     if rest is not None:
         write_columns(made.data, rest.columns, REST_ATTRIBUTES)

@@ -21,12 +21,12 @@ from ..surface.reading import as_read, read
 from .mesh import check_tile_object, have_follow, write_tiles
 
 
-class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
+class DAPPLE_OT_make_tiles(StepsOperator, bpy.types.Operator):
     """Turn the area of each point into a tile, on the surface in the current frame. The points are
     those that were optimized, not those of the bake. Existing tiles are replaced and keep their
     modifiers"""
 
-    bl_idname = "dapple.tile"
+    bl_idname = "dapple.make_tiles"
     bl_label = "Make Tiles"
     bl_options = OPTIONS
 
@@ -70,4 +70,4 @@ def tile_steps(context: bpy.types.Context) -> Steps:
         return made_of, tiles
 
 
-CLASSES = (DAPPLE_OT_tile,)
+CLASSES = (DAPPLE_OT_make_tiles,)

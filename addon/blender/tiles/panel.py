@@ -7,7 +7,7 @@ import bpy
 
 from ...core.settings.instance_table import TILES
 from ..scatter.panel import ScatterPanel
-from .operators import DAPPLE_OT_tile
+from .operators import DAPPLE_OT_make_tiles
 
 
 class DAPPLE_PT_tiles(ScatterPanel, bpy.types.Panel):
@@ -20,7 +20,7 @@ class DAPPLE_PT_tiles(ScatterPanel, bpy.types.Panel):
         for setting in TILES:
             layout.prop(tiles, setting.name)
         layout.operator(
-            DAPPLE_OT_tile.bl_idname,
+            DAPPLE_OT_make_tiles.bl_idname,
             text="Replace Tiles" if tiles.object else "Make Tiles",
             icon="MESH_GRID",
         )

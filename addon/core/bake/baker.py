@@ -14,7 +14,7 @@ from ..base.native import named, package
 from ..settings.values import Settings
 from ..solve.class_counts import resumed_on, tracked
 from ..solve.solve import Report, report_of
-from ..surface.arrays import REBIND, Floats, Ints, SurfaceArrays, check_same_topology
+from ..surface.arrays import REATTACH, Floats, Ints, SurfaceArrays, check_same_topology
 from ..surface.binding import placed_of, rebound, samples_of
 from ..surface.frames import carried, shading
 from ..surface.records import Binding, Placed
@@ -42,7 +42,7 @@ class Baker:
     Where changes() says so, cross() comes before enter().
     """
 
-    remedy = REBIND  # where the topology changes and must not
+    remedy = REATTACH  # where the topology changes and must not
     at_seam = True  # bind anew just when the topology changes, between two frames
     is_bare = False  # whether the last frame had no faces, so that there are no points to go on
 
@@ -51,7 +51,7 @@ class Baker:
     keyframes: Keyframes
     sidecar: Sidecar | None = None
     first: int = 1  # number of the first frame
-    rebind: bool = False  # where the topology changes: bind to the nearest places, or refuse
+    reattach: bool = False  # where the topology changes: bind to the nearest places, or refuse
     follows: bool = False  # whether the density is that of each frame, which is read with it
     fits: bool = False  # whether instances are fitted to the room of their points, on each key
     reports: list[Report] = field(default_factory=list)
@@ -91,7 +91,7 @@ class Baker:
 
     def changes(self, frame: SurfaceArrays) -> bool:
         """Whether the next frame has another topology; ScatterError if it may not."""
-        if not self.rebind:
+        if not self.reattach:
             check_same_topology(self.bound, frame, f"frame {self.first + self.done}", self.remedy)
         return frame.topology != self.bound.topology
 

@@ -89,7 +89,7 @@ class Grounds:
 def may_move(settings: Settings) -> bool:
     """Whether a density takes anything that can be another on a later frame."""
     density = settings.density
-    beside = density.image or density.use_camera or density.obstacles
+    beside = density.image or density.use_camera or density.avoid_collection
     values = names_of(settings) or materials_of(density)
     return bool(values or beside or _masks(density))
 

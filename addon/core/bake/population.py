@@ -18,7 +18,7 @@ from ..density.ground import Ground, ground_of
 from ..solve.class_counts import of_classes, sampled
 from ..solve.solve import Report, point_columns, report_of
 from ..surface.arrays import Floats, Ints, SurfaceArrays
-from ..surface.binding import bound_to, faces_with_corners, samples_of
+from ..surface.binding import attached_to, faces_with_corners, samples_of
 from ..surface.frames import carried, shading
 from ..surface.records import Binding, Columns, Placed, joined
 from .baker import Baker
@@ -59,8 +59,8 @@ class PopulationBaker(Baker):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.start.settings.classes:  # which the package follows on the same faces only
-            self.rebind, self.remedy = False, "Set Population to Keep Count"
+        if self.start.settings.object_types:  # which the package follows on the same faces only
+            self.reattach, self.remedy = False, "Set Population to Keep Count"
         self._chain.note(f"population, {self.fade}")
         self.ids = np.asarray(self.start.ids, dtype=np.int32)
         self._population: Any = None
@@ -78,7 +78,7 @@ class PopulationBaker(Baker):
         """The next frame, which has no faces: no point is there."""
         self.fingerprint = self._chain.add(frame)
         nothing = np.zeros(0, dtype=np.int32)
-        kept = Solved(Placed(nothing, bound_to(self.bound, nothing, np.zeros((0, 3)))), Report())
+        kept = Solved(Placed(nothing, attached_to(self.bound, nothing, np.zeros((0, 3)))), Report())
         self._keep(kept, self.first + self.done, self.fingerprint)
         faces = self._faces if len(self._faces) else np.zeros(len(self.ids), dtype=np.int32)
         rows = Placed(faces, self.last, np.ones(len(self.ids)))
@@ -100,7 +100,7 @@ class PopulationBaker(Baker):
         self.grounds.begin(bound)
         self._faces = np.full(len(self.ids), _largest_face(bound), dtype=np.int32)
         middle = np.full((len(self.ids), 3), 1.0 / 3.0)
-        self.last, self.leaning = bound_to(bound, self._faces, middle), Leaning()
+        self.last, self.leaning = attached_to(bound, self._faces, middle), Leaning()
         self.topologies.append(bound.topology)
 
     def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
@@ -139,7 +139,7 @@ class PopulationBaker(Baker):
 
     def _kept(self, there: _There, report: Report, state: Columns) -> Solved:
         faces = np.asarray(there.faces, dtype=np.int32)
-        binding = bound_to(self.bound, faces, there.barycentric)
+        binding = attached_to(self.bound, faces, there.barycentric)
         more = {**state, "ids": there.ids, "classes": there.classes}
         return Solved(Placed(faces, binding), report, bool(state["settled"]), more)
 
@@ -246,7 +246,7 @@ class PopulationBaker(Baker):
             1.0 - samples.fade,
         )
         self._faces = faces
-        after = bound_to(self.bound, faces, weights)
+        after = attached_to(self.bound, faces, weights)
         vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
         turned = carried(self.last, after, vertices, normals)
         return Placed(faces, turned, gone, self.leaning.next(self.last, turned, vertices, normals))
@@ -263,7 +263,7 @@ class PopulationBaker(Baker):
         if not new.any():
             return
         faces = np.asarray(samples.faces, dtype=np.int32)[new]
-        binding = bound_to(self.bound, faces, np.asarray(samples.barycentric)[new])
+        binding = attached_to(self.bound, faces, np.asarray(samples.barycentric)[new])
         first = self.bound is self.first_surface
         stored = binding if first else _first_row(self.begin, len(faces))
         classes = np.asarray(samples.classes, dtype=np.int32)[new]

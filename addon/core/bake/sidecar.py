@@ -25,7 +25,7 @@ from ..base.native import package
 from ..settings.values import Settings
 from ..solve.solve import Report
 from ..surface.arrays import SurfaceArrays
-from ..surface.binding import bound_to
+from ..surface.binding import attached_to
 from ..surface.records import Binding, Columns, Placed
 
 FORMAT = 2
@@ -205,7 +205,7 @@ def _checked(stored: dict[str, Any], points: int | None, surface: SurfaceArrays)
     if points and not 0 <= stored["faces"].min() <= stored["faces"].max() < len(surface.faces):
         raise ValueError("faces has an index out of range")
     binding = replace(
-        bound_to(surface, stored["faces"], stored["barycentric"]), carry=stored["carry"]
+        attached_to(surface, stored["faces"], stored["barycentric"]), carry=stored["carry"]
     )
     report = Report(**json.loads(str(stored["report"])))
     placed = Placed(stored["faces"], binding, lean=stored.get("lean"))

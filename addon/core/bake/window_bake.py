@@ -38,7 +38,7 @@ class TogetherBaker(Baker):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.closed:
-            self.rebind, self.remedy = False, "Set Smoothing to Forward"
+            self.reattach, self.remedy = False, "Set Smoothing to Forward"
         self._held: list[_Held] = []
         self._ahead: list[Solved] = []
 

@@ -46,7 +46,7 @@ def computed(
     )
     most = max(float(density.max()), 1.0 if alone else 1e-300)
     colors = colored(density.ravel() / most)
-    points = 0.0 if alone or settings.classes else _points(ground, settings)
+    points = 0.0 if alone or settings.object_types else _points(ground, settings)
     return Colored(lifted[faces].reshape(-1, 3), colors, most, points)
 
 

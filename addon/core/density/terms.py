@@ -17,7 +17,11 @@ _FLOOR = 0.02  # of the largest density, where curvature alone thins
 def names_of(settings: Settings) -> list[str]:
     """Attributes and vertex groups that the settings ask for."""
     density = settings.density
-    named = [density.attribute, density.blocked, *(kind.density for kind in settings.classes)]
+    named = [
+        density.attribute,
+        density.blocked_areas,
+        *(kind.density for kind in settings.object_types),
+    ]
     return sorted({name for name in named if name})
 
 
@@ -30,7 +34,7 @@ def range_of(settings: DensitySettings, name: str) -> Any:
     """The dapple.density.Range of the mask of that name; None where it has no effect."""
     if not has_mask(settings, name):
         return None
-    ends = ("from", "to", "fade", "invert", "strength")
+    ends = ("min", "max", "falloff", "invert", "strength")
     return package().density.Range(*(getattr(settings, f"{name}_{end}") for end in ends))
 
 
@@ -50,8 +54,8 @@ def _stored_terms(arrays: SurfaceArrays, settings: DensitySettings) -> Iterator[
     """Values that the surface has."""
     if settings.attribute:
         yield arrays.weights[settings.attribute]
-    if settings.blocked:
-        yield 1.0 - np.clip(arrays.weights[settings.blocked], 0.0, 1.0)
+    if settings.blocked_areas:
+        yield 1.0 - np.clip(arrays.weights[settings.blocked_areas], 0.0, 1.0)
     if materials_of(settings):
         chosen = arrays.weights[MATERIAL]
         wanted = 1.0 - chosen if settings.material_invert else chosen
@@ -92,7 +96,7 @@ def fields_of(
         found.append(_noise(within, settings, (first or arrays).matrix, first is not None))
     if around.camera is not None:
         found.append(density.Camera(around.camera, settings.camera_margin))
-    found += [density.Obstacle(*mesh, settings.obstacle_margin) for mesh in around.obstacles]
+    found += [density.Obstacle(*mesh, settings.avoid_margin) for mesh in around.obstacles]
     return found
 
 
@@ -103,7 +107,7 @@ def _distances(
     around, density, begin = arrays.around, package().density, first or arrays
     within = range_of(settings, "distance")
     if within is not None and (around.targets or len(around.lines)):
-        nearest = density.Nearest(around.targets, around.lines, settings.distance_plan)
+        nearest = density.Nearest(around.targets, around.lines, settings.ignore_height)
         yield density.Distance(within, nearest)
     within = range_of(settings, "border")
     if within is not None:
@@ -116,7 +120,7 @@ def _noise(within: Any, settings: DensitySettings, matrix: Floats, rides: bool) 
     """In the axes of the surface's object, in lengths of the world."""
     return package().density.Noise(
         within,
-        size=settings.noise_scale,
+        size=settings.noise_size,
         detail=settings.noise_detail,
         seed=settings.noise_seed,
         origin=matrix[:3, 3],

@@ -19,7 +19,7 @@ DENSITY = (
         own_words=True,
     ),
     Setting(
-        "blocked",
+        "blocked_areas",
         Kind.VALUES,
         "",
         "Blocked Areas",
@@ -91,7 +91,7 @@ DENSITY = (
         under="use_camera",
     ),
     Setting(
-        "obstacles",
+        "avoid_collection",
         Kind.COLLECTION,
         "",
         "Avoid Collection",
@@ -100,7 +100,7 @@ DENSITY = (
         "points, tiles and instances are never avoided",
     ),
     Setting(
-        "obstacle_margin",
+        "avoid_margin",
         Kind.NUMBER,
         0.05,
         "Margin",
@@ -108,7 +108,7 @@ DENSITY = (
         low=0.0,
         soft_high=10.0,
         unit="LENGTH",
-        under="obstacles",
+        under="avoid_collection",
     ),
 )
 
@@ -137,5 +137,5 @@ class Painted:
 
 PAINTED = {
     "DENSITY": Painted("attribute", "Density", True),
-    "BLOCKED": Painted("blocked", "Blocked", False),
+    "BLOCKED": Painted("blocked_areas", "Blocked", False),
 }

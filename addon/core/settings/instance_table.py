@@ -55,7 +55,7 @@ INSTANCES = (
         for axis in "XYZ"
     ),
     Setting(
-        "scale_randomness",
+        "random_scale_down",
         Kind.NUMBER,
         0.0,
         "Random Scale Down",
@@ -66,7 +66,7 @@ INSTANCES = (
         subtype="FACTOR",
     ),
     Setting(
-        "scale_growth",
+        "random_scale_up",
         Kind.NUMBER,
         0.0,
         "Random Scale Up",
@@ -77,7 +77,7 @@ INSTANCES = (
         subtype="FACTOR",
     ),
     Setting(
-        "fit",
+        "fit_to_spacing",
         Kind.NUMBER,
         0.0,
         "Fit to Spacing",
@@ -89,7 +89,7 @@ INSTANCES = (
         subtype="FACTOR",
     ),
     Setting(
-        "turn_randomness",
+        "random_turn",
         Kind.NUMBER,
         1.0,
         "Random Turn",
@@ -100,7 +100,7 @@ INSTANCES = (
         subtype="FACTOR",
     ),
     Setting(
-        "align",
+        "align_to_normal",
         Kind.NUMBER,
         1.0,
         "Align to Normal",
@@ -112,7 +112,7 @@ INSTANCES = (
         own_words=True,
     ),
     Setting(
-        "tilt",
+        "random_tilt",
         Kind.NUMBER,
         0.0,
         "Random Tilt",
@@ -167,7 +167,7 @@ CLASS = (
         under="use_count",
     ),
     Setting(
-        "share",
+        "weight",
         Kind.NUMBER,
         1.0,
         "Weight",
@@ -217,7 +217,7 @@ TILES = (
         subtype="FACTOR",
     ),
     Setting(
-        "inset_randomness",
+        "random_inset",
         Kind.NUMBER,
         0.0,
         "Random Inset",

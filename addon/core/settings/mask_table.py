@@ -72,7 +72,7 @@ SLOPE = (
     ),
     _number(
         "slope",
-        "from",
+        "min",
         0.0,
         "Min",
         "Smallest angle between the normal and world Z with full density: 0 is a floor, 90 a "
@@ -82,7 +82,7 @@ SLOPE = (
     ),
     _number(
         "slope",
-        "to",
+        "max",
         0.7853982,
         "Max",
         "Largest angle between the normal and world Z with full density: 0 is a floor, 90 a "
@@ -92,7 +92,7 @@ SLOPE = (
     ),
     _number(
         "slope",
-        "fade",
+        "falloff",
         0.1745329,
         "Falloff",
         "Angle beyond the range over which the density falls to 0",
@@ -103,11 +103,11 @@ SLOPE = (
 )
 HEIGHT = (
     _switch("height", "Height", "Only scatter points where world Z is in a range"),
-    _number("height", "from", 0.0, "Min", "Lowest world Z with full density", **_HEIGHT),
-    _number("height", "to", 1.0, "Max", "Highest world Z with full density", **_HEIGHT),
+    _number("height", "min", 0.0, "Min", "Lowest world Z with full density", **_HEIGHT),
+    _number("height", "max", 1.0, "Max", "Highest world Z with full density", **_HEIGHT),
     _number(
         "height",
-        "fade",
+        "falloff",
         0.1,
         "Falloff",
         "Height beyond the range over which the density falls to 0",
@@ -142,7 +142,7 @@ DISTANCE = (
         under="use_distance",
     ),
     Setting(
-        "distance_plan",
+        "ignore_height",
         Kind.SWITCH,
         False,
         "Ignore Height",
@@ -151,17 +151,19 @@ DISTANCE = (
     ),
     _number(
         "distance",
-        "from",
+        "min",
         0.0,
         "Min",
         "Smallest distance with full density",
         low=0.0,
         **_LENGTH,
     ),
-    _number("distance", "to", 0.5, "Max", "Largest distance with full density", low=0.0, **_LENGTH),
+    _number(
+        "distance", "max", 0.5, "Max", "Largest distance with full density", low=0.0, **_LENGTH
+    ),
     _number(
         "distance",
-        "fade",
+        "falloff",
         0.5,
         "Falloff",
         "Distance beyond the range over which the density falls to 0",
@@ -179,7 +181,7 @@ BORDER = (
     ),
     _number(
         "border",
-        "from",
+        "min",
         0.0,
         "Min",
         "Smallest distance to the border with full density",
@@ -188,7 +190,7 @@ BORDER = (
     ),
     _number(
         "border",
-        "to",
+        "max",
         0.2,
         "Max",
         "Largest distance to the border with full density",
@@ -197,7 +199,7 @@ BORDER = (
     ),
     _number(
         "border",
-        "fade",
+        "falloff",
         0.2,
         "Falloff",
         "Distance beyond the range over which the density falls to 0",
@@ -227,7 +229,7 @@ ASPECT = (
     ),
     _number(
         "aspect",
-        "from",
+        "min",
         0.0,
         "Min",
         "Smallest angle with full density between the direction and the one that the surface faces",
@@ -236,7 +238,7 @@ ASPECT = (
     ),
     _number(
         "aspect",
-        "to",
+        "max",
         0.7853982,
         "Max",
         "Largest angle with full density between the direction and the one that the surface faces",
@@ -245,7 +247,7 @@ ASPECT = (
     ),
     _number(
         "aspect",
-        "fade",
+        "falloff",
         0.7853982,
         "Falloff",
         "Angle beyond the range over which the density falls to 0",
@@ -262,7 +264,7 @@ NOISE = (
     ),
     _number(
         "noise",
-        "scale",
+        "size",
         1.0,
         "Size",
         "Size of the patches",
@@ -292,7 +294,7 @@ NOISE = (
     ),
     _number(
         "noise",
-        "from",
+        "min",
         0.5,
         "Min",
         "Smallest value of the noise with full density. Values are from 0 to 1 and spread "
@@ -302,7 +304,7 @@ NOISE = (
     ),
     _number(
         "noise",
-        "to",
+        "max",
         1.0,
         "Max",
         "Largest value of the noise with full density",
@@ -311,7 +313,7 @@ NOISE = (
     ),
     _number(
         "noise",
-        "fade",
+        "falloff",
         0.1,
         "Falloff",
         "Difference from the range over which the density falls to 0",

@@ -20,7 +20,7 @@ NAMES = {
     group: tuple(setting.name for setting in GROUPS[group] if setting.in_presets)
     for group in ("", "density", "tiles")
 }
-CLASSES = "classes"  # the group that is a list; not there: types stay as they are
+CLASSES = "object_types"  # the group that is a list; not there: types stay as they are
 CLASS_NAMES = ("name", *(setting.name for setting in GROUPS[CLASSES] if setting.in_presets))
 Values = dict[str, Any]  # by group, then by name; of object types a list of such
 
@@ -82,7 +82,7 @@ def settings_with(values: Values) -> Settings:
     return replace(
         settings,
         density=DensitySettings(**values.get("density", {})),
-        classes=tuple(map(_type_with, values.get(CLASSES, ()))),
+        object_types=tuple(map(_type_with, values.get(CLASSES, ()))),
     )
 
 
@@ -93,11 +93,11 @@ def _type_with(own: dict[str, Any]) -> ClassSettings:
     radius = 0.0 if values["radius_from_bounds"] else values["radius"]
     return ClassSettings(
         count=values["count"] if values["use_count"] else 0,
-        share=0.0 if values["use_count"] else values["share"],
+        weight=0.0 if values["use_count"] else values["weight"],
         density=values["density"],
         radius=radius,
         most_room=radius,
-        shrinks=values["radius_from_bounds"] and values["fit"] == 1.0,
+        shrinks=values["radius_from_bounds"] and values["fit_to_spacing"] == 1.0,
     )
 
 

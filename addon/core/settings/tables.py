@@ -112,7 +112,7 @@ _DIRECTION = (
 )
 _BAKE = (
     Setting(
-        "key_every",
+        "keyframe_step",
         Kind.WHOLE,
         1,
         "Keyframe Step",
@@ -124,7 +124,7 @@ _BAKE = (
         subtype="TIME",
     ),
     Setting(
-        "bake_smoothing",
+        "smoothing",
         Kind.CHOICE,
         "FORWARD",
         "Smoothing",
@@ -150,7 +150,7 @@ _BAKE = (
         field="smoothing",
     ),
     Setting(
-        "bind_to",
+        "attach_to",
         Kind.CHOICE,
         "AUTO",
         "Attach To",
@@ -160,7 +160,7 @@ _BAKE = (
         own_words=True,
     ),
     Setting(
-        "count_over_time",
+        "population",
         Kind.CHOICE,
         "KEEP_COUNT",
         "Population",
@@ -176,7 +176,7 @@ _BAKE = (
         ),
     ),
     Setting(
-        "fade_frames",
+        "fade_duration",
         Kind.WHOLE,
         12,
         "Fade Duration",
@@ -213,16 +213,16 @@ _BAKE = (
         field="masks",
     ),
     Setting(
-        "on_topology_change",
+        "new_topology",
         Kind.CHOICE,
-        "REFUSE",
+        "STOP",
         "New Topology",
         "What to do if the faces of the surface are not those that the points are attached to, "
         "at the start of a bake or in a later frame",
         Changes.NOTHING,
         choices=(
-            ("REFUSE", "Stop", "Stop with an error message that names the frame"),
-            ("REBIND", "Reattach", "Continue from the nearest places on the new faces"),
+            ("STOP", "Stop", "Stop with an error message that names the frame"),
+            ("REATTACH", "Reattach", "Continue from the nearest places on the new faces"),
         ),
     ),
     Setting(
@@ -269,5 +269,5 @@ GROUPS: dict[str, Settings] = {
     "": (*SCATTER, *INSTANCES),
     "density": DENSITY,
     "tiles": TILES,
-    "classes": (*CLASS, *INSTANCES),
+    "object_types": (*CLASS, *INSTANCES),
 }

@@ -50,7 +50,7 @@ class Settings(SolutionFields):
     """Options of one optimization."""
 
     per_area: float = 0.0  # points on a unit of area where the density is 1; 0: count holds
-    classes: tuple[ClassSettings, ...] = ()  # none: all points are alike
+    object_types: tuple[ClassSettings, ...] = ()  # none: all points are alike
     density: DensitySettings = DensitySettings()
 
     def sample_options(self) -> dict[str, Any]:

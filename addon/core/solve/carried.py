@@ -51,7 +51,7 @@ def carried_points(
 ) -> tuple[Any, Ints]:
     """dapple.Samples of the ground that are there, and the faces on which something changed."""
     solved, everything = before.solved, np.arange(len(ground.surface.faces), dtype=np.int32)
-    ids, classes = before.columns["id"], before.columns["dapple_class"]
+    ids, classes = before.columns["id"], before.columns["dapple_object_type"]
     if solved is None or not np.array_equal(solved.arrays.faces, arrays.faces):
         samples = samples_of(before.binding, ground.original, ids, classes)
         return ground.from_original(samples), everything
@@ -93,7 +93,7 @@ def _in_pose(before: SurfaceArrays, now: SurfaceArrays) -> Floats:
 
 def _densities(settings: Settings) -> list[str]:
     """Names of the values that multiply the densities of object types."""
-    return sorted({kind.density for kind in settings.classes if kind.density})
+    return sorted({kind.density for kind in settings.object_types if kind.density})
 
 
 def _changed_pieces(

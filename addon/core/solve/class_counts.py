@@ -25,10 +25,10 @@ def class_counts(settings: Settings) -> list[int]:
     Raises:
         ScatterError: the classes count more points than there are.
     """
-    counts = [kind.count for kind in settings.classes]
-    shares = [0.0 if kind.count else kind.share for kind in settings.classes]
+    counts = [kind.count for kind in settings.object_types]
+    shares = [0.0 if kind.count else kind.weight for kind in settings.object_types]
     rest, total = settings.count - sum(counts), sum(shares)
-    if all(counts) or not settings.classes:
+    if all(counts) or not settings.object_types:
         return counts
     if rest < 0:
         raise ScatterError(
@@ -73,14 +73,15 @@ def shrunk(settings: Settings, surface: Any) -> Settings:
     """The settings with the discs of classes that may shrink, so that all fit on a dapple.Surface;
     their instances have less room then.
     """
-    if not any(kind.shrinks for kind in settings.classes):
+    if not any(kind.shrinks for kind in settings.object_types):
         return settings
     counts = class_counts(counted(surface, settings))
     areas = [
-        count * np.pi * kind.radius**2 for count, kind in zip(counts, settings.classes, strict=True)
+        count * np.pi * kind.radius**2
+        for count, kind in zip(counts, settings.object_types, strict=True)
     ]
     rigid = sum(
-        area for area, kind in zip(areas, settings.classes, strict=True) if not kind.shrinks
+        area for area, kind in zip(areas, settings.object_types, strict=True) if not kind.shrinks
     )
     left, asked = max(_PACKED * surface.area - rigid, 0.0), sum(areas) - rigid
     factor = np.sqrt(left / asked) if asked > left else 1.0
@@ -88,9 +89,9 @@ def shrunk(settings: Settings, surface: Any) -> Settings:
         replace(kind, radius=factor * kind.radius, most_room=factor * kind.most_room)
         if kind.shrinks
         else kind
-        for kind in settings.classes
+        for kind in settings.object_types
     ]
-    return replace(settings, classes=tuple(classes))
+    return replace(settings, object_types=tuple(classes))
 
 
 def wanted_counts(ground: Ground, settings: Settings) -> list[int]:
@@ -111,7 +112,7 @@ def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | N
     counts = wanted_counts(ground, settings)
     groups = locked.of_classes(counts) if locked else [None] * len(counts)
     kept = [None if one is None else one.samples(ground.surface) for one in groups]
-    if not settings.classes:
+    if not settings.object_types:
         return package().sample(
             ground.surface, counts[0], context=context, locked=kept[0], **options
         )
@@ -149,7 +150,7 @@ def of_classes(ground: Ground, samples: Any, settings: Settings) -> dict[str, An
     Raises:
         ScatterError: samples are of a class that the settings do not list.
     """
-    if not settings.classes:
+    if not settings.object_types:
         return {}
     counts = _counts_of(samples.classes, settings)
     return {"classes": classes_of(ground, settings, counts)}
@@ -159,7 +160,7 @@ def classes_of(
     ground: Ground, settings: Settings, counts: list[int], locked: list[Any] | None = None
 ) -> list[Any]:
     """A dapple.SampleClass for each class that the settings list, with so many samples."""
-    kinds = shrunk(settings, ground.surface).classes
+    kinds = shrunk(settings, ground.surface).object_types
     return [
         package().SampleClass(
             count, radius=kind.radius, locked=kept, **ground.class_density(kind.density)
@@ -169,11 +170,11 @@ def classes_of(
 
 
 def _counts_of(classes: Ints, settings: Settings) -> list[int]:
-    found = np.bincount(classes, minlength=len(settings.classes)).tolist()
-    if len(found) > len(settings.classes):
+    found = np.bincount(classes, minlength=len(settings.object_types)).tolist()
+    if len(found) > len(settings.object_types):
         raise ScatterError(
-            f"There are points of object type {len(found)}, the list has {len(settings.classes)}: "
-            "optimize the scatter"
+            f"There are points of object type {len(found)}, the list has "
+            f"{len(settings.object_types)}: optimize the scatter"
         )
     return found
 
@@ -193,7 +194,7 @@ def rooms(points: Floats, classes: Ints, settings: Settings) -> Floats:
         rows = np.flatnonzero(classes == kind)
         distances = package().nearest_distances(points[rows])
         found[rows] = np.where(np.isfinite(distances), 0.5 * distances, 0.0)
-    for index, own in enumerate(settings.classes):
+    for index, own in enumerate(settings.object_types):
         if own.most_room > 0.0:
             rows = classes == index
             found[rows] = np.where(found[rows] > 0.0, found[rows], np.inf)

@@ -65,7 +65,7 @@ def kept(
             locked.of_classes(wanted_counts(ground, settings))  # an error if they are more
         given, changed = carried_points(before, arrays, ground, settings)
         touched = touched_faces(before, arrays, ground)
-        if settings.classes:
+        if settings.object_types:
             changed = np.union1d(changed, touched).astype(np.int32)
             solved = fine = classes_relaxed(ground, given, changed, settings, context, locked)
         elif len(touched) and not len(changed):
@@ -114,7 +114,7 @@ def is_whole(scattered: Scattered, before: Before | None = None) -> bool:
     assert solved is not None
     if settings.per_area and before is not None and before.touched is not None:
         return True
-    there = np.bincount(solved.samples.classes, minlength=max(len(settings.classes), 1))
+    there = np.bincount(solved.samples.classes, minlength=max(len(settings.object_types), 1))
     for count, wanted in zip(there, wanted_counts(solved.ground, settings), strict=True):
         spare = max(_SPARE_POINTS, _SPARE * wanted) if settings.per_area else 0
         if abs(count - wanted) > spare:
@@ -128,7 +128,7 @@ def evened(before: Scattered, context: Any, locked: Locked | None) -> Scattered:
     assert solved is not None
     ground, arrays = solved.ground, solved.arrays
     with named(arrays.name):
-        if settings.classes:
+        if settings.object_types:
             fine = with_counts(ground, solved.samples, settings, context, locked)
         else:
             fine = resampled(ground, solved.samples, settings, context, locked)

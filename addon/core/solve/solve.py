@@ -104,7 +104,7 @@ def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
     """What each point owns whatever its place."""
     return {
         "id": ids,
-        "dapple_class": classes,
+        "dapple_object_type": classes,
         "dapple_density": np.ones(len(ids)),
         "dapple_scale": own_random(seed, ids, 0),
         "dapple_turn": own_random(seed, ids, 1) * 2.0 * np.pi,
@@ -118,7 +118,7 @@ def with_own_ids(columns: Columns, new: NDArray[np.bool_], seed: int) -> Columns
     """Point columns, the new points with ids that were not there and what hangs on an id."""
     first = int(np.max(columns["id"], initial=-1)) + 1
     ids = np.arange(first, first + int(new.sum()), dtype=np.int32)
-    own = point_columns(ids, columns["dapple_class"][new], seed)
+    own = point_columns(ids, columns["dapple_object_type"][new], seed)
     joined = {name: values.copy() for name, values in columns.items()}
     for name, values in joined.items():
         values[new] = own[name]

@@ -92,8 +92,8 @@ def _of_effect(values: dict[str, Any]) -> dict[str, Any]:
         found["count"] = 0
     if isinstance(found.get("density"), dict):
         found["density"] = _terms(found["density"])
-    if isinstance(found.get("classes"), list):
-        found["classes"] = [_solved_class(one) for one in found["classes"]]
+    if isinstance(found.get("object_types"), list):
+        found["object_types"] = [_solved_class(one) for one in found["object_types"]]
     return found
 
 

@@ -13,7 +13,7 @@ from ..base.errors import ChangedError, ScatterError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
-REBIND = (
+REATTACH = (
     "Set New Topology to Reattach to continue from the nearest places, "
     "or Attach To to Rest Position"
 )
@@ -122,7 +122,7 @@ def topology_digest(vertex_count: int, corners: Ints, starts: Ints) -> str:
 
 
 def check_same_topology(
-    first: SurfaceArrays, later: SurfaceArrays, when: str, remedy: str = REBIND
+    first: SurfaceArrays, later: SurfaceArrays, when: str, remedy: str = REATTACH
 ) -> None:
     """ScatterError unless both frames have the same polygons; remedy says what to do."""
     if first.topology == later.topology:

@@ -13,7 +13,7 @@ from .frames import frames, shading, transport
 from .records import Binding, Placed
 
 
-def bound_to(surface: SurfaceArrays, faces: Ints, weights: Floats) -> Binding:
+def attached_to(surface: SurfaceArrays, faces: Ints, weights: Floats) -> Binding:
     """Binding to faces (n,) of a surface, with barycentrics (n, 3); no angle carried yet."""
     corners, loops = surface.faces[faces], surface.face_corners[faces]
     return Binding(corners, np.asarray(weights), np.zeros(len(corners)), loops)
@@ -21,7 +21,7 @@ def bound_to(surface: SurfaceArrays, faces: Ints, weights: Floats) -> Binding:
 
 def binding_of(samples: Any, surface: SurfaceArrays) -> Binding:
     """Binding of dapple.Samples of a surface; no angle carried yet."""
-    return bound_to(surface, samples.faces, samples.barycentric)
+    return attached_to(surface, samples.faces, samples.barycentric)
 
 
 def placed_of(samples: Any, surface: SurfaceArrays) -> Placed:
@@ -60,7 +60,7 @@ def bound_nearest(points: Floats, surface: SurfaceArrays) -> Binding:
     """Binding to the places of a surface that are nearest to points (n, 3)."""
     native = package().Surface(surface.vertices, surface.faces)
     closest = package().project(native, points)
-    return bound_to(surface, closest.faces, closest.barycentric)
+    return attached_to(surface, closest.faces, closest.barycentric)
 
 
 def _matched(binding: Binding, faces: Ints) -> tuple[Ints, Floats]:

@@ -63,7 +63,7 @@ FRAME_ATTRIBUTES = {
 }
 POINT_ATTRIBUTES = {
     "id": "INT",
-    "dapple_class": "INT",
+    "dapple_object_type": "INT",
     "dapple_density": "FLOAT",
     "dapple_scale": "FLOAT",
     "dapple_turn": "FLOAT",
@@ -73,7 +73,11 @@ POINT_ATTRIBUTES = {
 ADDED_ATTRIBUTES = {"dapple_rank": "FLOAT", "dapple_locked": "BOOLEAN", "dapple_room": "FLOAT"}
 
 MOST_CLASSES = 10_000
-_LIMITS = {"id": 2**30, "dapple_class": MOST_CLASSES - 1, "dapple_part": 2**20}  # largest values
+_LIMITS = {
+    "id": 2**30,
+    "dapple_object_type": MOST_CLASSES - 1,
+    "dapple_part": 2**20,
+}  # largest values
 
 Columns = dict[str, np.ndarray]
 

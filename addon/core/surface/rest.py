@@ -17,7 +17,7 @@ import numpy as np
 from ..base.errors import ScatterError
 from ..base.native import named, package
 from .arrays import Floats, Ints, SurfaceArrays
-from .binding import bound_to
+from .binding import attached_to
 from .frames import frames, shading
 from .records import Binding, Columns
 
@@ -106,7 +106,7 @@ class Shape:
                     self._native[part] = package().Surface(self._rest, self._surface.faces[faces])
                 closest = package().project(self._native[part], places[there])
             found[there], weights[there] = faces[closest.faces], closest.barycentric
-        return bound_to(self._surface, found, weights)
+        return attached_to(self._surface, found, weights)
 
     def elsewhere(self, binding: Binding, vertices: Floats) -> str | None:
         """Which point its rest position puts farthest off, if one is put to another place."""

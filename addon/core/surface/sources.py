@@ -143,7 +143,7 @@ def surface_sources(outline: Outline, values: dict[str, str], settings: Settings
 def _standing(outline: Outline, density: DensitySettings) -> dict[str, Floats]:
     """How a surface stands in the world, and where the origin of its object is, if it counts."""
     pose, found = outline.pose, {}
-    in_plan = density.use_distance and density.distance_plan
+    in_plan = density.use_distance and density.ignore_height
     if density.use_slope or density.use_height or density.use_aspect or in_plan:
         height = pose.center[2] / pose.size if density.use_height else 0.0
         found["up"] = np.array([[*pose.turn[2], height]])
@@ -174,9 +174,9 @@ def is_of_faces(role: str) -> bool:
 
 def value_roles(settings: Settings) -> dict[str, str]:
     """Names of the surface's values by their roles."""
-    named = {"density": settings.density.attribute, "blocked": settings.density.blocked}
+    named = {"density": settings.density.attribute, "blocked": settings.density.blocked_areas}
     named["material"] = MATERIAL if materials_of(settings.density) else ""
-    named |= {f"class {k}": kind.density for k, kind in enumerate(settings.classes)}
+    named |= {f"class {k}": kind.density for k, kind in enumerate(settings.object_types)}
     return {role: name for role, name in named.items() if name}
 
 

@@ -32,7 +32,7 @@ def test_a_surface_lists_its_scatters_alone(pair):
     bpy.context.view_layer.objects.active = surface
     shown = test_panels.drawn()
     assert shown.count("dapple.select_scatter") == 2
-    assert {"40", "60", "hide_viewport", "hide_render", "dapple.add"} <= set(shown)
+    assert {"40", "60", "hide_viewport", "hide_render", "dapple.add_scatter"} <= set(shown)
     assert "30" not in shown
 
 

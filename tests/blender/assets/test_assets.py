@@ -237,9 +237,9 @@ def test_without_the_add_on_each_asset_plays_points_behind_other_nodes(assets, t
     surface, found, arguments = scenes.tail(frames=3), {}, {}
     for kind in ("baked", "bound", "rest", "rest baked"):
         obj = scenes.scattered(surface, count=60)
-        obj.dapple.turn_randomness = 1.0
+        obj.dapple.random_turn = 1.0
         if kind.startswith("rest"):
-            obj.dapple.bind_to = "REST"
+            obj.dapple.attach_to = "REST"
             assert bpy.ops.dapple.optimize() == {"FINISHED"}
         if kind.endswith("baked"):
             assert bpy.ops.dapple.bake() == {"FINISHED"}
@@ -309,7 +309,7 @@ def test_a_ready_scatter_is_placed(assets, name):
     surface = scenes.sphere()
     bpy.context.view_layer.objects.active = obj
     obj.dapple.count = 60
-    assert bpy.ops.dapple.place(surface=surface.name) == {"FINISHED"}
+    assert bpy.ops.dapple.place_scatter(surface=surface.name) == {"FINISHED"}
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shown = [
         (one.parent.original, one.object.data.name)

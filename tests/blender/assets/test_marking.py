@@ -40,14 +40,14 @@ def made():
     surface.vertex_groups.new(name="Grass").add(range(40), 1.0, "REPLACE")
     obj = scenes.scattered(surface, count=50)
     for name in ("Tufts", "Rocks"):
-        bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[-1].name = name
-    obj.dapple.classes[0].instance = tuft
-    obj.dapple.classes[1].collection = rocks
-    obj.dapple.classes[1].share = 0.5
-    obj.dapple.classes[1].density = "Grass"
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[-1].name = name
+    obj.dapple.object_types[0].instance = tuft
+    obj.dapple.object_types[1].collection = rocks
+    obj.dapple.object_types[1].weight = 0.5
+    obj.dapple.object_types[1].density = "Grass"
     obj.dapple.density.attribute = "Grass"
-    obj.dapple.density.obstacles = bpy.data.collections.new("Avoided")
+    obj.dapple.density.avoid_collection = bpy.data.collections.new("Avoided")
     obj.dapple.seed, obj.dapple.forward = 3, "Y"
     bpy.ops.dapple.optimize()
     bpy.ops.dapple.bake()
@@ -120,7 +120,7 @@ def test_how_often_each_object_is_picked_comes_along(tmp_path):
     placed = appended(tmp_path / "library.blend", "Sphere Scatter Asset")
     surface = scenes.sphere()
     bpy.context.view_layer.objects.active = placed
-    bpy.ops.dapple.place(surface=surface.name)
+    bpy.ops.dapple.place_scatter(surface=surface.name)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shown = [one.object.name for one in depsgraph.object_instances if one.is_instance]
     assert shown == ["Small"] * 50
@@ -132,13 +132,13 @@ def test_appended_it_is_placed_on_another_surface_with_its_settings(saved):
     sphere.vertex_groups.new(name="Grass").add(range(100), 1.0, "REPLACE")
     obj = appended(path)
     obj.location = (1.0, 2.0, 3.0)
-    assert bpy.ops.dapple.place(surface=sphere.name) == {"FINISHED"}
+    assert bpy.ops.dapple.place_scatter(surface=sphere.name) == {"FINISHED"}
     assert obj.dapple.surface == sphere
     assert obj.asset_data is None
     assert settings_of(obj) == kept
-    tufts, rocks = obj.dapple.classes
+    tufts, rocks = obj.dapple.object_types
     assert (tufts.instance.name, rocks.collection.name) == ("Tuft", "Rocks")
-    assert (tufts.name, rocks.share, rocks.density) == ("Tufts", 0.5, "Grass")
+    assert (tufts.name, rocks.weight, rocks.density) == ("Tufts", 0.5, "Grass")
     assert tuple(obj.matrix_world.translation) == (0.0, 0.0, 0.0)
     places = scenes.positions(obj)
     assert len(places) == 50
@@ -150,17 +150,17 @@ def test_appended_it_is_placed_on_another_surface_with_its_settings(saved):
 def test_what_the_surface_lacks_is_left_out_with_a_word(saved, capfd):
     sphere = scenes.sphere()
     obj = appended(saved[0])
-    bpy.ops.dapple.place(surface=sphere.name)
+    bpy.ops.dapple.place_scatter(surface=sphere.name)
     said = capfd.readouterr().out
     assert "skipped: Surface 'Sphere' has no attribute or vertex group 'Grass'" in said
-    assert obj.dapple.density.attribute == obj.dapple.classes[1].density == ""
+    assert obj.dapple.density.attribute == obj.dapple.object_types[1].density == ""
     assert len(scenes.positions(obj)) == 50
 
 
 def test_a_collection_does_not_lie_about(made, tmp_path):
     """Alone it was shown: Blender did not find the hidden collection around it."""
-    made.dapple.class_index = 0
-    bpy.ops.dapple.edit_classes(action="REMOVE")
+    made.dapple.object_type_index = 0
+    bpy.ops.dapple.edit_object_types(action="REMOVE")
     bpy.ops.dapple.mark_asset()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
@@ -179,11 +179,11 @@ def test_what_is_instanced_does_not_lie_about(saved):
 def test_the_same_asset_twice_has_points_of_its_own_each_time(saved):
     first_surface, second_surface = scenes.sphere(), scenes.sphere(location=(4.0, 0.0, 0.0))
     first = appended(saved[0])
-    bpy.ops.dapple.place(surface=first_surface.name)
+    bpy.ops.dapple.place_scatter(surface=first_surface.name)
     before = scenes.positions(first)
     second = appended(saved[0])
     assert len(second.data.vertices) == 0
-    bpy.ops.dapple.place(surface=second_surface.name)
+    bpy.ops.dapple.place_scatter(surface=second_surface.name)
     assert first.data != second.data
     np.testing.assert_array_equal(scenes.positions(first), before)
     assert scenes.positions(second)[:, 0].min() > 2.9
@@ -192,7 +192,7 @@ def test_the_same_asset_twice_has_points_of_its_own_each_time(saved):
 def test_without_a_surface_nothing_happens_and_a_message_says_so(saved):
     obj = appended(saved[0])
     with pytest.raises(RuntimeError, match="There is no surface at 'Tail Scatter Asset'"):
-        bpy.ops.dapple.place()
+        bpy.ops.dapple.place_scatter()
     assert obj.dapple.surface is None
     shown = test_panels.drawn()
     assert "surface" in shown
@@ -207,7 +207,7 @@ def test_a_failure_leaves_the_scatter_waiting(saved):
     bpy.context.view_layer.objects.active = obj
     obj.location.x = 2.0
     with pytest.raises(RuntimeError):
-        bpy.ops.dapple.place(surface=flat.name)
+        bpy.ops.dapple.place_scatter(surface=flat.name)
     assert obj.dapple.surface is None
     assert obj.location.x == 2.0
     assert settings_of(obj) == kept
@@ -215,7 +215,7 @@ def test_a_failure_leaves_the_scatter_waiting(saved):
 
 def test_a_scatter_that_has_points_is_not_placed(made):
     with pytest.raises(RuntimeError, match="This scatter has points"):
-        bpy.ops.dapple.place(surface=made.dapple.surface.name)
+        bpy.ops.dapple.place_scatter(surface=made.dapple.surface.name)
 
 
 def test_dropped_on_a_surface_it_is_solved_there(live, saved):
@@ -288,7 +288,7 @@ def test_without_the_add_on_it_does_no_harm(saved, tmp_path):
     obj = bpy.data.objects["Tail Scatter Asset"]
     sphere = scenes.sphere()
     bpy.context.view_layer.objects.active = obj
-    assert bpy.ops.dapple.place(surface=sphere.name) == {"FINISHED"}
+    assert bpy.ops.dapple.place_scatter(surface=sphere.name) == {"FINISHED"}
     assert len(scenes.positions(obj)) == 50
 
 
@@ -297,7 +297,7 @@ def test_marking_and_placing_are_undone(saved):
     sphere = scenes.sphere()
     obj = appended(saved[0])
     bpy.ops.ed.undo_push(message="appended")
-    bpy.ops.dapple.place(surface=sphere.name)
+    bpy.ops.dapple.place_scatter(surface=sphere.name)
     bpy.ops.ed.undo_push(message="placed")
     bpy.ops.ed.undo()
     obj = bpy.data.objects["Tail Scatter Asset"]

@@ -99,7 +99,7 @@ def test_outside_the_range_the_first_and_the_last_key_hold():
 def test_keys_every_few_frames_play_and_their_error_is_told(tracked):
     surface = scenes.tail(frames=FRAMES)
     obj = scenes.scattered(surface)
-    obj.dapple.key_every = 3
+    obj.dapple.keyframe_step = 3
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert (obj.dapple.baked_keys, obj.dapple.baked_frames) == (3, FRAMES)  # 1, 4, 6
     stored = read_baked(obj)
@@ -243,7 +243,7 @@ def test_a_topology_that_changes_is_bound_again_when_asked(every):
     surface = scenes.tail(frames=FRAMES)
     obj = scenes.scattered(surface)
     subdivided_from(surface, 4)
-    obj.dapple.on_topology_change, obj.dapple.key_every = "REBIND", every
+    obj.dapple.new_topology, obj.dapple.keyframe_step = "REATTACH", every
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     table = read_baked(obj).frames
     assert table["dapple_vertices"].tolist() == [410, 410, 410, 1634, 1634, 1634]
@@ -269,7 +269,7 @@ def test_an_interrupted_bake_over_a_change_of_topology_gives_the_same_bytes(tmp_
     surface = scenes.tail(frames=FRAMES)
     obj = scenes.scattered(surface)
     subdivided_from(surface, 3)
-    obj.dapple.on_topology_change = "REBIND"
+    obj.dapple.new_topology = "REATTACH"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     expected = read_baked(obj)
     files = addon_host.part("blender.freshness.unfinished_bakes").work_files(obj)
@@ -292,7 +292,7 @@ def test_faces_that_change_with_the_same_number_of_vertices_are_refused():
     refused("is out of date: surface 'Tail' has 410 vertices as before, but other faces")
 
 
-@pytest.mark.parametrize("operator", ["rebind", "bake"])
+@pytest.mark.parametrize("operator", ["reattach", "bake"])
 def test_a_modifier_added_after_binding_is_followed_when_asked(operator):
     surface = scenes.tail()
     obj = scenes.scattered(surface)
@@ -301,11 +301,11 @@ def test_a_modifier_added_after_binding_is_followed_when_asked(operator):
     array.relative_offset_displace = (3.0, 0.0, 0.0)
     assert len(scenes.positions(obj)) == 0
     if operator == "bake":
-        obj.dapple.on_topology_change = "REBIND"
+        obj.dapple.new_topology = "REATTACH"
     assert getattr(bpy.ops.dapple, operator)() == {"FINISHED"}
     after = scenes.positions(obj)
     assert len(after) == 60
-    limit = 1e-5 if operator == "rebind" else 0.5 * obj.dapple.report.spacing
+    limit = 1e-5 if operator == "reattach" else 0.5 * obj.dapple.report.spacing
     assert np.linalg.norm(after - before, axis=1).max() < limit
 
 
@@ -349,7 +349,7 @@ def test_a_quad_that_is_cut_the_other_way_keeps_its_points():
     )
     assert (binding.faces_with_corners(stored.corners, other) < 0).any()
     samples = binding.samples_of(
-        stored, dapple.Surface(arrays.vertices, other), columns["id"], columns["dapple_class"]
+        stored, dapple.Surface(arrays.vertices, other), columns["id"], columns["dapple_object_type"]
     )
     moved = np.abs(samples.positions - stored.positions(arrays.vertices)).max()
     assert moved < 0.02 * scenes.size(arrays.vertices)
@@ -380,7 +380,7 @@ def test_frames_solved_together_move_more_smoothly(smoothing):
     for chosen in ("FORWARD", smoothing):
         surface = scenes.tail(frames=FRAMES)
         obj = scenes.scattered(surface)
-        obj.dapple.bake_smoothing = chosen
+        obj.dapple.smoothing = chosen
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         assert obj.dapple.baked_keys == FRAMES
         assert obj.dapple.report.capacity_variation < 0.05
@@ -396,7 +396,7 @@ def test_frames_solved_in_pieces_move_more_smoothly(smoothing, monkeypatch):
     obj = scenes.scattered(surface)
     jerks = []
     for chosen in ("FORWARD", smoothing):
-        obj.dapple.bake_smoothing = chosen
+        obj.dapple.smoothing = chosen
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         assert obj.dapple.baked_keys == FRAMES
         assert obj.dapple.report.capacity_variation < 0.05
@@ -425,7 +425,7 @@ def test_a_bake_in_pieces_holds_no_more_than_two(monkeypatch):
     monkeypatch.setattr(together, "take", noting)
     frames = 12
     obj = scenes.scattered(scenes.tail(frames=frames))
-    obj.dapple.bake_smoothing = "BOTH_WAYS"
+    obj.dapple.smoothing = "BOTH_WAYS"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert obj.dapple.baked_keys == frames == len(held)
     assert max(held) == 5
@@ -434,7 +434,7 @@ def test_a_bake_in_pieces_holds_no_more_than_two(monkeypatch):
 def test_frames_solved_together_are_those_of_one_topology():
     surface = scenes.tail(frames=FRAMES)
     obj = scenes.scattered(surface)
-    obj.dapple.bake_smoothing, obj.dapple.on_topology_change = "BOTH_WAYS", "REBIND"
+    obj.dapple.smoothing, obj.dapple.new_topology = "BOTH_WAYS", "REATTACH"
     add_array(surface)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert obj.dapple.baked_keys == FRAMES
@@ -449,7 +449,7 @@ def test_frames_solved_together_are_those_of_one_topology():
 def test_a_topology_that_may_not_change_is_named(smoothing, said):
     surface = scenes.tail(frames=FRAMES)
     obj = scenes.scattered(surface)
-    obj.dapple.bake_smoothing = smoothing
+    obj.dapple.smoothing = smoothing
     add_array(surface)
     with pytest.raises(RuntimeError, match=f"frame 4.*{said}"):
         bpy.ops.dapple.bake()
@@ -484,8 +484,8 @@ def test_fitted_instances_just_touch_on_every_frame(population):
     surface = scenes.tail(frames=FRAMES)
     obj = scenes.scattered(surface, count=150)
     ball = scenes.sphere(location=(9.0, 9.0, 9.0))
-    obj.dapple.instance, obj.dapple.fit = ball, 1.0
-    obj.dapple.count_over_time = population
+    obj.dapple.instance, obj.dapple.fit_to_spacing = ball, 1.0
+    obj.dapple.population = population
     scenes.activate(obj)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame in range(1, FRAMES + 1):
@@ -505,7 +505,7 @@ def test_keys_hold_rooms_only_where_instances_are_fitted():
     _, obj = baked()
     keys = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys")
     assert "dapple_room" not in keys.data.attributes
-    obj.dapple.fit = 0.5
+    obj.dapple.fit_to_spacing = 0.5
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     keys = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys")
     assert "dapple_room" in keys.data.attributes

@@ -57,8 +57,8 @@ def flickering(bare, last=10, count=120, everything=True, start=None):
     start = start or next(frame for frame in range(1, last + 1) if frame not in bare)
     scene.frame_set(start)
     obj = scenes.scattered(surface, count=count)
-    obj.dapple.count_over_time, obj.dapple.fade_frames = "KEEP_DENSITY", FADE
-    obj.dapple.on_topology_change = "REBIND"
+    obj.dapple.population, obj.dapple.fade_duration = "KEEP_DENSITY", FADE
+    obj.dapple.new_topology = "REATTACH"
     return surface, obj
 
 
@@ -111,18 +111,18 @@ GAPS = {
 }
 
 
-@pytest.mark.parametrize("bind_to", ["FACES", "REST"])
+@pytest.mark.parametrize("attach_to", ["FACES", "REST"])
 @pytest.mark.parametrize("everything", [True, False])
 @pytest.mark.parametrize("gap", GAPS)
-def test_there_are_no_points_on_frames_without_faces(gap, everything, bind_to):
+def test_there_are_no_points_on_frames_without_faces(gap, everything, attach_to):
     bare = GAPS[gap]
     surface, obj = flickering(bare, everything=everything)
-    obj.dapple.bind_to = bind_to
+    obj.dapple.attach_to = attach_to
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     before = bpy.context.scene.frame_current
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert bpy.context.scene.frame_current == before
-    assert obj.dapple.bound_to == bind_to
+    assert obj.dapple.attached_to == attach_to
     density_kept(surface, obj, bare, 10)
     assert obj.dapple.report.alpha_min > 0.4
     ids = [one.value for one in obj.data.attributes["id"].data]
@@ -147,15 +147,15 @@ def test_points_of_a_first_gap_begin_in_full_and_later_ones_fade_in():
 @pytest.mark.parametrize("smoothing", ["BOTH_WAYS", "LOOP", "FORWARD"])
 def test_smoothing_makes_no_difference(smoothing):
     surface, obj = flickering({4, 5})
-    obj.dapple.bake_smoothing = smoothing
+    obj.dapple.smoothing = smoothing
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     density_kept(surface, obj, {4, 5}, 10)
 
 
-@pytest.mark.parametrize("bind_to", ["FACES", "REST"])
-def test_between_two_frames_there_are_points_only_where_there_are_faces(bind_to):
+@pytest.mark.parametrize("attach_to", ["FACES", "REST"])
+def test_between_two_frames_there_are_points_only_where_there_are_faces(attach_to):
     surface, obj = flickering({4, 5})
-    obj.dapple.bind_to = bind_to
+    obj.dapple.attach_to = attach_to
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame, part in ((3, 0.5), (3, 0.9), (4, 0.0), (4, 0.5), (5, 0.5), (5, 0.9), (6, 0.0)):
@@ -168,7 +168,7 @@ def test_between_two_frames_there_are_points_only_where_there_are_faces(bind_to)
 
 def test_every_third_frame_as_a_key():
     surface, obj = flickering({1, 5, 6})
-    obj.dapple.key_every = 3
+    obj.dapple.keyframe_step = 3
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     density_kept(surface, obj, {1, 5, 6}, 10)
     assert obj.dapple.baked_keys == 6  # 1; 2, 4; 5 and 6; 7, 10
@@ -218,7 +218,7 @@ def test_metaballs_that_vanish_and_come_back():
     scene.frame_start, scene.frame_end = 1, 8
     scene.frame_set(1)
     obj = scenes.scattered(surface, count=100)
-    obj.dapple.count_over_time, obj.dapple.fade_frames = "KEEP_DENSITY", FADE
+    obj.dapple.population, obj.dapple.fade_duration = "KEEP_DENSITY", FADE
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     density = 100 / 1.0
     for frame in range(1, 9):
@@ -236,10 +236,10 @@ def test_metaballs_that_vanish_and_come_back():
 
 
 REFUSED = {
-    "count": ("KEEP_COUNT", "REBIND", r"has no faces at frame 4$"),
+    "count": ("KEEP_COUNT", "REATTACH", r"has no faces at frame 4$"),
     "stop": (
         "KEEP_DENSITY",
-        "REFUSE",
+        "STOP",
         r"has no faces at frame 4: set New Topology to Reattach to have no points there$",
     ),
 }
@@ -250,8 +250,8 @@ REFUSED = {
 def test_other_bakes_name_the_frame(case, smoothing):
     over_time, topology, words = REFUSED[case]
     _, obj = flickering({4})
-    obj.dapple.count_over_time, obj.dapple.on_topology_change = over_time, topology
-    obj.dapple.bake_smoothing = smoothing
+    obj.dapple.population, obj.dapple.new_topology = over_time, topology
+    obj.dapple.smoothing = smoothing
     before = scenes.snapshot()
     with pytest.raises(RuntimeError, match=words.replace("$", r"\n?$")):
         bpy.ops.dapple.bake()
@@ -263,7 +263,7 @@ def test_other_bakes_name_the_frame(case, smoothing):
 
 def test_object_types_say_why_they_stop():
     assert flickering({4})
-    assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+    assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     words = "has no faces at frame 4: points of object types cannot appear again behind it"
     with pytest.raises(RuntimeError, match=words):
@@ -280,10 +280,10 @@ def test_a_range_without_any_faces_is_named():
     assert obj.dapple.baked_keys == 0
 
 
-@pytest.mark.parametrize("bind_to", ["FACES", "REST"])
-def test_a_bake_is_out_of_date_where_faces_come_or_go(bind_to):
+@pytest.mark.parametrize("attach_to", ["FACES", "REST"])
+def test_a_bake_is_out_of_date_where_faces_come_or_go(attach_to):
     surface, obj = flickering({4, 5})
-    obj.dapple.bind_to = bind_to
+    obj.dapple.attach_to = attach_to
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     modifier = surface.modifiers["Delete"]
@@ -307,7 +307,7 @@ def test_what_moves_is_noted_where_there_are_faces():
         stone.location.x = x
         stone.keyframe_insert("location", frame=frame)
     scenes.activate(obj)
-    obj.dapple.density.obstacles = stones
+    obj.dapple.density.avoid_collection = stones
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame in range(1, 11):
         bpy.context.scene.frame_set(frame)
@@ -323,21 +323,21 @@ def test_a_bake_over_bare_frames_is_exported(tmp_path, needs_exporter):
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     counts = {frame: shown(obj, frame) for frame in range(1, 11)}
     table = tmp_path / "points.csv"
-    assert bpy.ops.dapple.export(filepath=str(table), animation=True) == {"FINISHED"}
+    assert bpy.ops.dapple.export_points(filepath=str(table), animation=True) == {"FINISHED"}
     with table.open() as file:
         frames = [int(float(row["frame"])) for row in csv.DictReader(file)]
     assert {frame: frames.count(frame) for frame in counts} == counts
     arrays = tmp_path / "points.npz"
     with pytest.raises(RuntimeError, match=r"ids of frames.1. are others than before: CSV can"):
-        bpy.ops.dapple.export(filepath=str(arrays), animation=True)
+        bpy.ops.dapple.export_points(filepath=str(arrays), animation=True)
     assert not arrays.exists()
     bpy.context.scene.frame_set(6)
-    assert bpy.ops.dapple.export(filepath=str(arrays)) == {"FINISHED"}
+    assert bpy.ops.dapple.export_points(filepath=str(arrays)) == {"FINISHED"}
     with np.load(arrays) as stored:
         assert len(stored["ids"].ravel()) == counts[6]
     needs_exporter(".usda")
     text = tmp_path / "points.usda"
-    assert bpy.ops.dapple.export(filepath=str(text), animation=True) == {"FINISHED"}
+    assert bpy.ops.dapple.export_points(filepath=str(text), animation=True) == {"FINISHED"}
     usd = pytest.importorskip("pxr.Usd")
     geom = pytest.importorskip("pxr.UsdGeom")
     stage = usd.Stage.Open(str(text))
@@ -353,7 +353,7 @@ def test_a_frame_without_faces_is_exported_alone_as_what_it_is(tmp_path):
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     bpy.context.scene.frame_set(4)
     with pytest.raises(RuntimeError, match="shows no instances"):
-        bpy.ops.dapple.export(filepath=str(tmp_path / "points.csv"))
+        bpy.ops.dapple.export_points(filepath=str(tmp_path / "points.csv"))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -363,7 +363,7 @@ def test_a_stopped_bake_goes_on_where_faces_are_cut():
     bpy.context.scene.collection.children.link(stones)
     stone = scenes.sphere(location=(1.0, 0.0, 0.0), scale=(0.2, 0.2, 0.2))
     stones.objects.link(stone)
-    obj.dapple.density.obstacles = stones
+    obj.dapple.density.avoid_collection = stones
     scenes.activate(obj)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     files = addon_host.part("blender.freshness.unfinished_bakes").work_files(obj)

@@ -67,7 +67,7 @@ def test_a_bake_keeps_points_that_were_bound_again():
     bpy.context.scene.frame_end = 2
     obj = scenes.scattered(surface)
     obj.data.vertices[3].co.z += 0.3
-    assert bpy.ops.dapple.rebind() == {"FINISHED"}
+    assert bpy.ops.dapple.reattach() == {"FINISHED"}
     assert reason(obj) == ""
     before = scenes.positions(obj)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
@@ -78,9 +78,9 @@ def test_a_bake_keeps_points_that_were_bound_again():
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
-        ("key_every", 2, "Keyframe Step"),
-        ("bake_smoothing", "LOOP", "Smoothing"),
-        ("count_over_time", "KEEP_DENSITY", "Population, Fade Duration"),
+        ("keyframe_step", 2, "Keyframe Step"),
+        ("smoothing", "LOOP", "Smoothing"),
+        ("population", "KEEP_DENSITY", "Population, Fade Duration"),
         ("stickiness", 3.0, "Stickiness"),
     ],
 )

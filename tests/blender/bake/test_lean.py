@@ -107,7 +107,7 @@ def test_where_nothing_flips_nothing_leans():
 def test_a_baked_lean_is_played(randomness):
     surface = scenes.sphere()
     obj = scenes.scattered(surface, count=40)
-    obj.dapple.turn_randomness = randomness
+    obj.dapple.random_turn = randomness
     points, writing, reading = (
         addon_host.part(f"blender.{name}")
         for name in ("scatter.points", "scatter.key_writing", "surface.mesh")
@@ -166,7 +166,7 @@ def test_a_bake_with_births_bounds_its_turns_too(monkeypatch):
     """With a limit that every slide exceeds, all rows of all keys have a lean."""
     monkeypatch.setattr(part("bake.lean"), "LIMIT", 1e-9)
     obj = scenes.scattered(scenes.tail(), count=60)
-    obj.dapple.count_over_time = "KEEP_DENSITY"
+    obj.dapple.population = "KEEP_DENSITY"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     keys = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys").data
     assert len(keys.attributes["dapple_lean"].data) == len(keys.vertices)

@@ -49,7 +49,7 @@ def scatter_on(surface, count=COUNT, **density):
 
 def baked(surface, population="KEEP_COUNT", **density):
     obj = scatter_on(surface, **density)
-    obj.dapple.count_over_time = population
+    obj.dapple.population = population
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     return obj
 
@@ -71,7 +71,7 @@ def inside(points, box):
 def moving_cube():
     box = keyed(cube(), (-1.5, 0.0, 0.0), (0.5, 0.3, 0.0))
     avoided = bpy.data.collections["Avoided"]
-    return {"obstacles": avoided}, lambda points: inside(points, box)
+    return {"avoid_collection": avoided}, lambda points: inside(points, box)
 
 
 def moving_camera():
@@ -133,7 +133,7 @@ def test_points_leave_a_scatter_that_moves_as_it_was_baked(population):
     collection = bpy.data.collections.new("Avoided")
     bpy.context.scene.collection.children.link(collection)
     collection.objects.link(avoided)
-    obj = baked(surface, population, obstacles=collection, obstacle_margin=0.1)
+    obj = baked(surface, population, avoid_collection=collection, avoid_margin=0.1)
     for points in each_frame(obj):
         there = scenes.positions(avoided)
         apart = np.linalg.norm(points[:, None] - there[None], axis=2).min(axis=1)
@@ -145,7 +145,7 @@ def panel_note(obj):
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("masks_over_time", "FIRST_FRAME"), ("bake_smoothing", "BOTH_WAYS")]
+    ("name", "value"), [("masks_over_time", "FIRST_FRAME"), ("smoothing", "BOTH_WAYS")]
 )
 def test_what_moves_and_is_not_followed_is_said(name, value):
     surface = ground()
@@ -190,8 +190,8 @@ def test_noise_rides_with_a_surface_that_is_masked_anew_on_each_frame():
     surface = keyed(ground(), (0.0, 0.0, 0.0), (0.0, 7.0, 0.0))
     keyed(cube(), (9.0, 9.0, 0.0), (9.0, 9.0, 5.0))  # far away
     avoided = bpy.data.collections["Avoided"]
-    noise = {"use_noise": True, "noise_scale": 0.5, "noise_from": 0.5}
-    obj = baked(surface, obstacles=avoided, **noise)
+    noise = {"use_noise": True, "noise_size": 0.5, "noise_min": 0.5}
+    obj = baked(surface, avoid_collection=avoided, **noise)
     local = [points - np.array(surface.location) for points in each_frame(obj)]
     assert np.linalg.norm(local[-1] - local[0], axis=1).max() < 0.5 * obj.dapple.report.spacing
 
@@ -204,7 +204,7 @@ def test_a_stopped_bake_of_moving_masks_goes_on_to_the_same_bytes():
     for population in ("KEEP_COUNT", "KEEP_DENSITY"):
         for stopped in (False, True):
             obj = scatter_on(surface, **density)
-            obj.dapple.count_over_time = population
+            obj.dapple.population = population
             if stopped:
                 going = baking.bake_steps(bpy.context, 1, FRAMES)
                 task = next(going)
@@ -228,7 +228,7 @@ def test_a_bake_that_was_stopped_after_its_masks_came_to_rest_goes_on_to_the_sam
         box.keyframe_insert("location", frame=frame)
     bpy.context.scene.frame_set(1)
     for stopped in (False, True):
-        obj = scatter_on(surface, obstacles=bpy.data.collections["Avoided"])
+        obj = scatter_on(surface, avoid_collection=bpy.data.collections["Avoided"])
         if stopped:
             going = baking.bake_steps(bpy.context, 1, FRAMES)
             task = next(going)
@@ -250,7 +250,7 @@ def test_points_stay_even_where_faces_change():
     joined.object, joined.solver, joined.operation = box, "FAST", "UNION"
     bpy.context.scene.frame_set(1)
     obj = scatter_on(surface, 200)
-    obj.dapple.on_topology_change = "REBIND"
+    obj.dapple.new_topology = "REATTACH"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert obj.dapple.report.alpha_min > 0.35
     assert obj.dapple.report.capacity_variation < 0.1

@@ -25,8 +25,8 @@ def breathing_ball():
     scene.frame_start, scene.frame_end = 1, FRAMES
     scene.frame_set(1)
     obj = scenes.scattered(surface, count=80)
-    obj.dapple.count_over_time = "KEEP_DENSITY"
-    obj.dapple.fade_frames = FADE
+    obj.dapple.population = "KEEP_DENSITY"
+    obj.dapple.fade_duration = FADE
     return surface, obj
 
 
@@ -94,18 +94,18 @@ def test_ids_stay_and_are_new(breathing):
     assert len(set(after)) == len(after)
 
 
-@pytest.mark.parametrize("bind_to", ["FACES", "REST"])
-def test_each_object_type_keeps_its_density(breathing, bind_to):
+@pytest.mark.parametrize("attach_to", ["FACES", "REST"])
+def test_each_object_type_keeps_its_density(breathing, attach_to):
     _, obj = breathing
-    obj.dapple.bind_to = bind_to
+    obj.dapple.attach_to = attach_to
     for share in (3.0, 1.0):
-        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
-        obj.dapple.classes[-1].share = share
+        assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
+        obj.dapple.object_types[-1].weight = share
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     before = classes_of(obj)
     assert np.bincount(before).tolist() == [60, 20]
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    assert obj.dapple.bound_to == bind_to
+    assert obj.dapple.attached_to == attach_to
     kinds = classes_of(obj)
     assert (kinds[:80] == before).all()
     assert set(kinds[80:].tolist()) == {0, 1}
@@ -119,7 +119,7 @@ def test_each_object_type_keeps_its_density(breathing, bind_to):
 
 
 def classes_of(obj):
-    return np.array([one.value for one in obj.data.attributes["dapple_class"].data])
+    return np.array([one.value for one in obj.data.attributes["dapple_object_type"].data])
 
 
 def ids(obj):
@@ -145,7 +145,7 @@ def test_clearing_and_baking_again_leaves_the_points_as_they_were(breathing):
 def test_a_bake_of_a_constant_count_after_it_has_the_first_points(breathing):
     _, obj = breathing
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    obj.dapple.count_over_time = "KEEP_COUNT"
+    obj.dapple.population = "KEEP_COUNT"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert len(obj.data.vertices) == 80
     assert len(shown(obj, 5)) == 80
@@ -153,7 +153,7 @@ def test_a_bake_of_a_constant_count_after_it_has_the_first_points(breathing):
 
 def test_every_third_frame_as_a_key(breathing):
     _, obj = breathing
-    obj.dapple.key_every = 3
+    obj.dapple.keyframe_step = 3
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert obj.dapple.baked_keys == 5
     assert len(shown(obj, 1)) == 80
@@ -163,7 +163,7 @@ def test_the_preview_says_why_it_does_not_start(breathing):
     assert breathing
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     with pytest.raises(RuntimeError, match="clear the bake to preview"):
-        bpy.ops.dapple.preview()
+        bpy.ops.dapple.live_preview()
 
 
 def test_a_cleared_bake_leaves_the_figures_and_locks_of_the_solution(breathing):
@@ -172,7 +172,7 @@ def test_a_cleared_bake_leaves_the_figures_and_locks_of_the_solution(breathing):
     before = [getattr(obj.dapple.report, name) for name in names]
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert len(obj.data.vertices) > obj.dapple.solved.count == 80
-    assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
+    assert bpy.ops.dapple.lock_points(every=True) == {"FINISHED"}
     assert obj.dapple.locked_count == len(obj.data.vertices)
     assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
     assert [getattr(obj.dapple.report, name) for name in names] == before
@@ -213,7 +213,7 @@ def following(made):
     scene.frame_start, scene.frame_end = 1, 8
     scene.frame_set(1)
     obj = scenes.scattered(surface, count=300)
-    obj.dapple.count_over_time, obj.dapple.fade_frames = "KEEP_DENSITY", FADE
+    obj.dapple.population, obj.dapple.fade_duration = "KEEP_DENSITY", FADE
     return surface, obj
 
 
@@ -226,7 +226,7 @@ def read_now(surface):
 def test_faces_that_change_are_followed_at_a_constant_density(made):
     surface, obj = following(made)
     dapple, before = addon_host.part("core.base.native").package(), ids(obj)
-    obj.dapple.on_topology_change = "REBIND"
+    obj.dapple.new_topology = "REATTACH"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert ids(obj)[:300] == before
     assert len(set(ids(obj))) == len(obj.data.vertices) > 300
@@ -257,7 +257,7 @@ def test_faces_that_change_are_followed_at_a_constant_density(made):
 
 def test_faces_that_change_are_refused_unless_asked_for():
     _, obj = following(remeshed)
-    obj.dapple.bind_to = "FACES"
+    obj.dapple.attach_to = "FACES"
     with pytest.raises(RuntimeError, match=r"changes its topology at frame 2.*New Topology"):
         bpy.ops.dapple.bake()
     assert len(obj.data.vertices) == 300
@@ -266,8 +266,8 @@ def test_faces_that_change_are_refused_unless_asked_for():
 def two_types(made):
     surface, obj = made()
     for share in (3.0, 1.0):
-        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
-        obj.dapple.classes[-1].share = share
+        assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
+        obj.dapple.object_types[-1].weight = share
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return surface, obj
 
@@ -279,7 +279,7 @@ def around_an_obstacle(made):
     bpy.context.scene.collection.children.link(stones)
     stone = scenes.sphere(location=(1.0, 0.0, 0.0), scale=(0.2, 0.2, 0.2))
     stones.objects.link(stone)
-    obj.dapple.density.obstacles = stones
+    obj.dapple.density.avoid_collection = stones
     scenes.activate(obj)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return surface, obj
@@ -319,7 +319,7 @@ MADE = {
 @pytest.mark.parametrize("kept", [1, 5, 7])
 def test_a_bake_goes_on_from_its_frames_to_the_same_bytes(made, kept, tmp_path):
     _, obj = MADE[made]()
-    obj.dapple.on_topology_change = "REBIND"
+    obj.dapple.new_topology = "REATTACH"
     work_files = addon_host.part("blender.freshness.unfinished_bakes")
     files = work_files.work_files(obj)
     whole, taken, solved = baked(obj)
@@ -337,9 +337,9 @@ def test_a_bake_goes_on_from_its_frames_to_the_same_bytes(made, kept, tmp_path):
 def test_frames_of_another_fade_are_not_taken():
     _, obj = breathing_ball()
     _, _, solved = baked(obj)
-    obj.dapple.fade_frames = FADE + 1
+    obj.dapple.fade_duration = FADE + 1
     assert baked(obj)[1:] == (0, solved)
-    obj.dapple.count_over_time = "KEEP_COUNT"
+    obj.dapple.population = "KEEP_COUNT"
     assert baked(obj)[1:] == (0, solved)
 
 

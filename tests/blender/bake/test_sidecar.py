@@ -260,7 +260,7 @@ def saved_in_pieces(path, monkeypatch):
     monkeypatch.setattr(together, "PIECE", 3)
     monkeypatch.setattr(together, "OVERLAP", 1)
     obj = scenes.scattered(scenes.tail(frames=FRAMES))
-    obj.dapple.bake_smoothing = "LOOP"
+    obj.dapple.smoothing = "LOOP"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     return obj
 
@@ -400,7 +400,7 @@ def test_a_bake_that_was_never_saved_is_taken_as_a_whole(tmp_path):
     obj = opened(path)  # after a crash the file has no keys
     assert obj.dapple.baked_keys == 0
     solves = counted_solves()
-    obj.dapple.key_every = 1
+    obj.dapple.keyframe_step = 1
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert solves() == 0
     assert packed(obj) == expected
@@ -437,9 +437,9 @@ def test_work_files_of_an_unfinished_bake_outlive_saving(tmp_path):
     assert files_of(obj).frames() == 3
     bpy.ops.wm.save_mainfile()
     assert files_of(obj).frames() == 3
-    assert bpy.ops.dapple.discard_bake() == {"FINISHED"}
+    assert bpy.ops.dapple.discard_unfinished_bake() == {"FINISHED"}
     assert files_of(obj).frames() == 0
-    assert not bpy.ops.dapple.discard_bake.poll()
+    assert not bpy.ops.dapple.discard_unfinished_bake.poll()
 
 
 def stop_after(count):
@@ -618,7 +618,7 @@ def test_bake_is_not_said_to_go_on_with_other_settings(tmp_path, name):
     assert (going_on(obj), left_over(obj)) == (0, kept)
     setattr(obj.dapple, name, before)
     assert (going_on(obj), left_over(obj)) == (kept, 0)
-    obj.dapple.bake_smoothing = "LOOP"
+    obj.dapple.smoothing = "LOOP"
     assert (going_on(obj), left_over(obj)) == (0, kept)
 
 
@@ -632,7 +632,7 @@ def test_bake_is_not_said_to_go_on_from_other_points_or_another_first_frame(tmp_
     bpy.context.scene.frame_set(4)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert (going_on(obj), left_over(obj)) == (0, kept)
-    assert bpy.ops.dapple.discard_bake() == {"FINISHED"}
+    assert bpy.ops.dapple.discard_unfinished_bake() == {"FINISHED"}
     assert (going_on(obj), left_over(obj)) == (0, 0)
     assert not (tmp_path / "first.dapple").exists()
 
@@ -675,7 +675,7 @@ def test_a_scatter_that_took_the_place_of_another_is_baked(tmp_path):
         assert going_on(obj) == 0, "what is known of the one is not of the next"
         assert bpy.ops.dapple.remove_scatter() == {"FINISHED"}
         bpy.context.view_layer.objects.active = surface
-        assert bpy.ops.dapple.add(count=count) == {"FINISHED"}
+        assert bpy.ops.dapple.add_scatter(count=count) == {"FINISHED"}
         obj = bpy.context.object
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         assert bpy.ops.dapple.clear_bake() == {"FINISHED"}

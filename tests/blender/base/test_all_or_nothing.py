@@ -16,7 +16,7 @@ def scattered():
 def two_types():
     obj = scattered()
     for _ in range(2):
-        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+        assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return obj
 
@@ -24,7 +24,7 @@ def two_types():
 def touching():
     """Types so large that they overlap."""
     obj = two_types()
-    obj.dapple.classes[0].radius = 0.4
+    obj.dapple.object_types[0].radius = 0.4
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.report.worst_overlap > 0
     return obj
@@ -47,7 +47,7 @@ def born():
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 3
     bpy.context.scene.frame_set(1)
     obj = scenes.scattered(surface, 40)
-    obj.dapple.count_over_time = "KEEP_DENSITY"
+    obj.dapple.population = "KEEP_DENSITY"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert len(obj.data.vertices) > 40
     return obj
@@ -57,7 +57,7 @@ def at_rest():
     obj = scattered()
     obj.dapple.surface.modifiers.new("Subdivision", "SUBSURF")
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
-    assert obj.dapple.bound_to == "REST"
+    assert obj.dapple.attached_to == "REST"
     return obj
 
 
@@ -70,7 +70,7 @@ def to_be_at_rest():
 
 def tiled():
     obj = scattered()
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     scenes.activate(obj)
     obj.dapple.count = 30
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
@@ -173,43 +173,45 @@ def subdivided():
 
 
 HAND, FACES = "blender.hand_points", "blender.surface.subdivision"
+EXPORT, SOLVE = "blender.export.operators", "blender.solve"
+TYPES = "blender.object_types.classes"
 DENSITY = "blender.density.operators"
 FIRST = {"name": "Sphere Scatter"}
 # Operator, its properties, preparation, and the last step as a module and a name in it.
 CASES = [
-    ("add", {"count": 40}, scenes.sphere, "blender.add.steps.write_solved"),
-    ("add", {"count": 40}, two_objects, "blender.add.steps.write_solved"),
-    ("add", {"count": 40}, subdivided, "blender.add.steps.write_solved"),
-    ("add", {"count": 40}, scenes.sphere, "blender.scatter.store.write_warning"),
+    ("add_scatter", {"count": 40}, scenes.sphere, "blender.add.steps.write_solved"),
+    ("add_scatter", {"count": 40}, two_objects, "blender.add.steps.write_solved"),
+    ("add_scatter", {"count": 40}, subdivided, "blender.add.steps.write_solved"),
+    ("add_scatter", {"count": 40}, scenes.sphere, "blender.scatter.store.write_warning"),
     ("add_over_collection", {"collection": "Parts"}, of_collection, "blender.add.steps.apply"),
     ("surface_from_selected", {}, with_others, "blender.add.operators.put_on_selected"),
     ("mark_asset", {}, scattered, "blender.assets.operators.marked"),
     ("mark_asset", {}, baked, "blender.assets.marking.keep_together"),
-    ("place", {"surface": "Sphere"}, asset, "blender.solve.optimize.write_solved"),
-    ("place", {"surface": "Sphere"}, asset, "blender.assets.placing.fit_classes"),
+    ("place_scatter", {"surface": "Sphere"}, asset, "blender.solve.optimize.write_solved"),
+    ("place_scatter", {"surface": "Sphere"}, asset, "blender.assets.placing.fit_classes"),
     ("bake", {}, scattered, "blender.bake.steps.write_known"),
     ("bake", {}, baked, "blender.bake.steps.write_known"),
     ("bake", {}, born, "blender.bake.steps.write_baked"),
     ("bake", {}, joined, "blender.bake.steps.write_known"),
     ("clear_bake", {}, baked, "blender.bake.operators.clear_keys"),
     ("clear_bake", {}, born, "blender.bake.operators.clear_keys"),
-    ("discard_bake", {}, baked, "blender.freshness.findings.touch"),
-    ("export", {"filepath": "points.csv"}, scattered, "blender.export.operators.export_points"),
-    ("drop_keys", {"action": "OPTIMIZE"}, baked, "blender.solve.optimize.write_solved"),
-    ("drop_keys", {"action": "REBIND"}, baked, "blender.solve.session_solutions.write_own_ids"),
+    ("discard_unfinished_bake", {}, baked, "blender.freshness.findings.touch"),
+    ("export_points", {"filepath": "points.csv"}, scattered, f"{EXPORT}.export_points"),
+    ("delete_keyframes", {"action": "OPTIMIZE"}, baked, "blender.solve.optimize.write_solved"),
+    ("delete_keyframes", {"action": "REATTACH"}, baked, f"{SOLVE}.session_solutions.write_own_ids"),
     ("optimize", {}, scattered, "blender.display.preview.solved_anew"),
     ("optimize", {}, baked, "blender.solve.optimize.write_solved"),
     ("optimize", {}, born, "blender.solve.optimize.write_solved"),
     ("optimize", {}, joined, "blender.display.preview.solved_anew"),
     ("optimize", {}, to_be_at_rest, "blender.display.preview.solved_anew"),
-    ("rebind", {}, scattered, "blender.display.preview.solved_anew"),
-    ("rebind", {}, baked, "blender.solve.session_solutions.write_own_ids"),
-    ("rebind", {}, born, "blender.solve.session_solutions.write_own_ids"),
-    ("rebind", {}, at_rest, "blender.display.preview.solved_anew"),
-    ("tile", {}, scattered, "blender.tiles.operators.write_tiles"),
-    ("tile", {}, tiled, "blender.tiles.operators.write_tiles"),
+    ("reattach", {}, scattered, "blender.display.preview.solved_anew"),
+    ("reattach", {}, baked, f"{SOLVE}.session_solutions.write_own_ids"),
+    ("reattach", {}, born, f"{SOLVE}.session_solutions.write_own_ids"),
+    ("reattach", {}, at_rest, "blender.display.preview.solved_anew"),
+    ("make_tiles", {}, scattered, "blender.tiles.operators.write_tiles"),
+    ("make_tiles", {}, tiled, "blender.tiles.operators.write_tiles"),
     ("edit_points", {}, scattered, f"{HAND}.operators.begin_editing"),
-    ("edit_points_done", {}, edited, f"{HAND}.operators.end_editing"),
+    ("finish_editing_points", {}, edited, f"{HAND}.operators.end_editing"),
     ("place_point", {}, edited, f"{HAND}.operators.add_vertex"),
     ("add_point", {"location": (0, 0, 1)}, scattered, f"{HAND}.operators.add_point"),
     ("add_point", {"location": (0, 0, 1)}, at_rest, f"{HAND}.operators.add_point"),
@@ -218,13 +220,13 @@ CASES = [
     ("remove_point", {"id": 3}, scattered, f"{HAND}.operators.remove_point"),
     ("paint_density", {}, scattered, f"{DENSITY}.begin_painting"),
     ("paint_density", {}, with_group, f"{DENSITY}.begin_painting"),
-    ("paint_blocked", {}, scattered, f"{DENSITY}.begin_painting"),
-    ("paint_done", {}, painted, f"{DENSITY}.end_painting"),
-    ("preview", {}, scattered, "blender.display.preview.start"),
+    ("paint_blocked_areas", {}, scattered, f"{DENSITY}.begin_painting"),
+    ("finish_painting", {}, painted, f"{DENSITY}.end_painting"),
+    ("live_preview", {}, scattered, "blender.display.preview.start"),
     ("match_subdivision", {}, subdivided, f"{FACES}.match_subdivision"),
     ("show_density", {}, scattered, "blender.density.overlay.start"),
     *(
-        ("edit_classes", {"action": action}, made, "blender.object_types.classes.change_classes")
+        ("edit_object_types", {"action": action}, made, f"{TYPES}.change_classes")
         for action in ("ADD", "REMOVE", "UP", "DOWN")
         for made in (scattered, two_types)
     ),
@@ -235,7 +237,7 @@ CASES = [
         f"{DENSITY}.by_full_name",
     ),
     ("remove_material", {"index": 0}, of_material, f"{DENSITY}.settings_changed"),
-    ("lock", {"every": True}, scattered, f"{HAND}.operators.lock_points"),
+    ("lock_points", {"every": True}, scattered, f"{HAND}.operators.lock_points"),
     ("select_overlap", {}, touching, "blender.object_types.classes.select_overlap"),
     ("select_scatter", FIRST, two_scatters, "blender.add.scatter_list.activate"),
     ("select_surface", {}, two_scatters, "blender.add.scatter_list.activate"),
@@ -250,7 +252,7 @@ CASES = [
 APART = {
     "pull_point": "needs a mouse; test_single_points.py",
     "cancel_update": "writes nothing",
-    "dismiss": "writes nothing",
+    "hide_message": "writes nothing",
     "add_asset_library": "the preferences; test_assets.py",
     "remove_asset_library": "the preferences; test_assets.py",
 }
@@ -314,17 +316,17 @@ def test_the_last_step_fails(case, foreseen, monkeypatch, tmp_path, capfd):
     assert str(raised.value).endswith(words)
     assert "Traceback" not in str(raised.value)
     assert undone == {}
-    if name not in {"edit_points_done", "place_point", "paint_done"}:
+    if name not in {"finish_editing_points", "place_point", "finish_painting"}:
         works_then(name, properties)
 
 
 def works_then(name, properties):
     """What failed works once nothing is in its way."""
-    if name in {"discard_bake", "remove_preset", "export"}:
+    if name in {"discard_unfinished_bake", "remove_preset", "export_points"}:
         return
     assert getattr(bpy.ops.dapple, name)(**properties) == {"FINISHED"}
-    if name == "preview":
-        bpy.ops.dapple.preview()
+    if name == "live_preview":
+        bpy.ops.dapple.live_preview()
     addon_host.part("blender.density.overlay").stop()
 
 
@@ -383,12 +385,27 @@ SPOILT = [
     broken_vertex,
 ]
 TRIED = [
-    *(("optimize", {}), ("rebind", {}), ("bake", {}), ("tile", {}), ("clear_bake", {})),
+    *(("optimize", {}), ("reattach", {}), ("bake", {}), ("make_tiles", {}), ("clear_bake", {})),
     *(("add_point", {"location": (0.0, 0.0, 1.0)}), ("move_point", {"id": 3})),
-    *(("remove_point", {"id": 3}), ("edit_points", {}), ("paint_density", {}), ("preview", {})),
-    *(("show_density", {}), ("lock", {"every": True}), ("select_overlap", {}), ("mark_asset", {})),
-    *(("copy_scatter", {}), ("remove_scatter", {}), ("edit_classes", {}), ("select_surface", {})),
-    *(("export", {"filepath": "points.csv"}), ("save_preset", {"name": "Spoilt"})),
+    *(
+        ("remove_point", {"id": 3}),
+        ("edit_points", {}),
+        ("paint_density", {}),
+        ("live_preview", {}),
+    ),
+    *(
+        ("show_density", {}),
+        ("lock_points", {"every": True}),
+        ("select_overlap", {}),
+        ("mark_asset", {}),
+    ),
+    *(
+        ("copy_scatter", {}),
+        ("remove_scatter", {}),
+        ("edit_object_types", {}),
+        ("select_surface", {}),
+    ),
+    *(("export_points", {"filepath": "points.csv"}), ("save_preset", {"name": "Spoilt"})),
 ]
 
 
@@ -421,7 +438,7 @@ def test_scales_and_places_that_cannot_be(case, made, spoil, tmp_path):
         addon_host.part("blender.density.overlay").stop()
         preview = addon_host.part("blender.display.preview")
         if preview.is_on(bpy.context.object):
-            bpy.ops.dapple.preview()
+            bpy.ops.dapple.live_preview()
             assert not preview.is_on(bpy.context.object)
 
 
@@ -449,13 +466,13 @@ def test_add_on_scales_and_places_that_cannot_be(change):
     scenes.activate(surface)
     before = whole_file.everything()
     try:
-        assert bpy.ops.dapple.add(count=40) == {"FINISHED"}
+        assert bpy.ops.dapple.add_scatter(count=40) == {"FINISHED"}
     except RuntimeError as error:
         said = str(error)
         assert "failed, nothing was changed" not in said
         assert whole_file.differences(before) == {}
     else:
-        works("add", bpy.context.object, 40)
+        works("add_scatter", bpy.context.object, 40)
 
 
 def shown_as(obj):
@@ -495,12 +512,12 @@ def test_a_confirmed_deletion_of_a_bake_that_fails_keeps_the_bake():
     obj = baked()
     obj.dapple.density.attribute = "Missing"
     before = whole_file.everything()
-    for action in ("OPTIMIZE", "REBIND"):
-        if action == "REBIND":
+    for action in ("OPTIMIZE", "REATTACH"):
+        if action == "REATTACH":
             obj.dapple.surface = None
             before = whole_file.everything()
         with pytest.raises(RuntimeError) as raised:
-            bpy.ops.dapple.drop_keys(action=action)
+            bpy.ops.dapple.delete_keyframes(action=action)
         assert str(raised.value).count("\n") == 1
         assert "Traceback" not in str(raised.value)
         assert whole_file.differences(before) == {}

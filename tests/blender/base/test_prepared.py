@@ -65,7 +65,7 @@ def preferences():
 
 def test_drawing_computes_walks_and_reads_nothing(prepared, redrawn, computed):
     scenes.scattered(scenes.tail(levels=1, render_levels=2))
-    assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+    assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
     computed.clear()
     assert "~60" not in test_panels.drawn()
     preferences()
@@ -99,7 +99,7 @@ def test_what_is_not_asked_for_again_is_not_found_again(prepared, computed):
 
 def test_a_changed_setting_is_shown_after_the_next_tick(prepared):
     obj = scenes.scattered(scenes.sphere())
-    assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+    assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
     test_panels.drawn()
     prepared.tick()
     obj.dapple.count = 77

@@ -128,7 +128,7 @@ def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps, smoothing, monke
     monkeypatch.setattr(addon_host.part("core.bake.window_bake"), "PIECE", 3)
     monkeypatch.setattr(addon_host.part("core.bake.window_bake"), "OVERLAP", 1)
     obj = scenes.scattered(scenes.tail())
-    obj.dapple.bake_smoothing = smoothing
+    obj.dapple.smoothing = smoothing
     bpy.context.scene.frame_set(3)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     expected = scenes.positions(obj)

@@ -53,14 +53,16 @@ def test_all_of_them_are_undone_in_one_step(artist):
     surface = scenes.tail(frames=3)
     bpy.ops.ed.undo_push(message="Before")
     for name, made in (
-        ("add", lambda: len(scatter().data.vertices) == 40),
+        ("add_scatter", lambda: len(scatter().data.vertices) == 40),
         ("bake", lambda: scatter().dapple.baked_keys == 3),
-        ("rebind", lambda: scatter().dapple.baked_keys == 0),
-        ("tile", lambda: scatter().dapple.tiles.object is not None),
+        ("reattach", lambda: scatter().dapple.baked_keys == 0),
+        ("make_tiles", lambda: scatter().dapple.tiles.object is not None),
     ):
         before = "Tail Scatter" in bpy.data.objects and made()
         assert not before
-        options = {"add": {"count": 40}, "rebind": {"drop_keys": True}}.get(name, {})
+        options = {"add_scatter": {"count": 40}, "reattach": {"delete_keyframes": True}}.get(
+            name, {}
+        )
         assert artist.press(name, **options) == {"CANCELLED"}
         artist.finish()
         assert made()
@@ -74,11 +76,11 @@ def test_all_of_them_are_undone_in_one_step(artist):
 
 def test_a_new_scatter_becomes_active_unless_the_artist_does_something_else(artist):
     surface = scenes.sphere()
-    artist.press("add", count=30)
+    artist.press("add_scatter", count=30)
     artist.finish()
     assert bpy.context.object.name == "Sphere Scatter"
     scenes.activate(surface)
-    artist.press("add", count=30)
+    artist.press("add_scatter", count=30)
     other = scenes.sphere(location=(4.0, 0.0, 0.0))
     artist.finish()
     assert bpy.context.object == other
@@ -87,7 +89,14 @@ def test_a_new_scatter_becomes_active_unless_the_artist_does_something_else(arti
 
 def test_nothing_else_begins_meanwhile_and_that_is_said(artist, obj):
     at_frame(artist, 1)
-    for name in ("optimize", "bake", "rebind", "tile", "paint_density", "discard_bake"):
+    for name in (
+        "optimize",
+        "bake",
+        "reattach",
+        "make_tiles",
+        "paint_density",
+        "discard_unfinished_bake",
+    ):
         assert not getattr(bpy.ops.dapple, name).poll()
     with pytest.raises(RuntimeError, match="'Bake' is still going on: cancel it, or wait"):
         bpy.ops.dapple.optimize()
@@ -108,7 +117,7 @@ def test_cancel_writes_nothing_and_the_next_bake_goes_on(artist, obj):
     ((kind, text),) = artist.said(obj)
     assert kind == "INFO"
     assert "frames are kept" in text
-    bpy.ops.dapple.dismiss()
+    bpy.ops.dapple.hide_message()
     assert artist.said(obj) == []
     artist.press("bake")
     artist.finish()
@@ -144,7 +153,7 @@ def points_locked(obj):
 
 
 def settings_changed(obj):
-    obj.dapple.key_every = 2
+    obj.dapple.keyframe_step = 2
 
 
 def scatter_deleted(obj):
@@ -240,14 +249,14 @@ def test_it_pauses_while_something_else_has_the_file(artist, obj, monkeypatch, w
 
 def test_another_frame_does_not_hinder_the_others(artist, obj, monkeypatch):
     """What was read in one frame is compared there."""
-    for name, options in (("rebind", {"drop_keys": False}), ("tile", {})):
+    for name, options in (("reattach", {"delete_keyframes": False}), ("make_tiles", {})):
         bpy.context.scene.frame_set(1)
         artist.press(name, **options)
         bpy.context.scene.frame_set(4)
         monkeypatch.setattr(artist.jobs, "REST", 0.0)
         artist.finish()
         assert bpy.context.scene.frame_current == 4
-        assert [kind for kind, _ in artist.said(obj)] == (["INFO"] if name == "tile" else [])
+        assert [kind for kind, _ in artist.said(obj)] == (["INFO"] if name == "make_tiles" else [])
     assert obj.dapple.tiles.object is not None
 
 
@@ -274,7 +283,7 @@ def test_what_is_wrong_later_is_said_in_the_panel(artist, obj):
     assert kind == "ERROR"
     assert "changes its topology at frame 4" in text
     assert scenes.snapshot() == before
-    artist.press("tile")
+    artist.press("make_tiles")
     assert artist.said(obj) == []
 
 

@@ -218,7 +218,7 @@ def test_optimize_keeps_a_bake_unless_told(path):
     bpy.data.objects["Scales"].dapple.count = 70
     assert command("optimize") == 1
     assert bpy.data.objects["Scales"].dapple.baked_keys == FRAMES
-    assert command("optimize", "--drop-keys", "--frame", "3") == 0
+    assert command("optimize", "--delete-keyframes", "--frame", "3") == 0
     obj = opened(path)["Scales"]
     assert (obj.dapple.baked_keys, len(obj.data.vertices)) == (0, 70)
     assert command("check") == 0

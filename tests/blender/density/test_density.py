@@ -77,14 +77,14 @@ def test_blocked_areas_thin_by_what_is_left():
     with_attribute(surface, "Below", upper - 0.5, "FLOAT")
     obj = scenes.scattered(surface, count=300)
     full = share_above(optimized(obj), 0.2)
-    kept = share_above(optimized(obj, blocked="Some"), 0.2)
+    kept = share_above(optimized(obj, blocked_areas="Some"), 0.2)
     left = (1.0 - blocked) * full
     assert kept == pytest.approx(left / (1.0 - blocked * full), abs=0.06)
     for name in ("Top", "Over"):
-        assert share_above(optimized(obj, blocked=name), next_ring) == 0.0
-    assert share_above(optimized(obj, attribute="Top", blocked="Some"), -0.01) == 1.0
+        assert share_above(optimized(obj, blocked_areas=name), next_ring) == 0.0
+    assert share_above(optimized(obj, attribute="Top", blocked_areas="Some"), -0.01) == 1.0
     with pytest.raises(RuntimeError, match=r"'Below' is -0\.5 at vertex"):
-        optimized(obj, blocked="Below")
+        optimized(obj, blocked_areas="Below")
 
 
 def test_an_attribute_that_geometry_nodes_make_is_a_density():
@@ -103,14 +103,14 @@ def test_an_attribute_that_geometry_nodes_make_is_a_density():
 
 def test_slope_and_height_bound_where_points_are():
     obj = scenes.scattered(scenes.sphere(), count=200)
-    found = optimized(obj, use_slope=True, slope_to=math.radians(40), slope_fade=0.0)
+    found = optimized(obj, use_slope=True, slope_max=math.radians(40), slope_falloff=0.0)
     assert found[:, 2].min() > math.cos(math.radians(60))
     found = optimized(
-        obj, use_slope=False, use_height=True, height_from=-0.3, height_to=0.2, height_fade=0.0
+        obj, use_slope=False, use_height=True, height_min=-0.3, height_max=0.2, height_falloff=0.0
     )
     assert found[:, 2].min() > -0.6
     assert found[:, 2].max() < 0.5
-    found = optimized(obj, height_from=5.0, height_to=6.0, height_fade=5.5)
+    found = optimized(obj, height_min=5.0, height_max=6.0, height_falloff=5.5)
     assert share_above(found) > 0.6, "it fades over the height beside the range"
 
 
@@ -143,11 +143,11 @@ def test_each_class_has_a_density_of_its_own():
     with_attribute(surface, "Down", heights(surface) < 0.45, "BOOLEAN")
     obj = scenes.scattered(surface, count=120)
     for name in ("Up", "Down"):
-        bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[-1].density = name
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[-1].density = name
     found = optimized(obj)
     meshio = addon_host.part("blender.base.mesh_arrays")
-    kinds = meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
+    kinds = meshio.read_columns(obj.data, {"dapple_object_type": "INT"})["dapple_object_type"]
     assert found[kinds == 0, 2].min() > -0.1
     assert found[kinds == 1, 2].max() < 0.1
     assert np.bincount(kinds).tolist() == [60, 60]

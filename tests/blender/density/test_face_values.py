@@ -83,7 +83,7 @@ def test_all_points_are_on_the_face_that_has_the_attribute(kind, domain):
 @pytest.mark.parametrize("domain", ["FACE", "CORNER"])
 def test_no_point_is_on_a_blocked_face(domain):
     surface = with_faces(cube(), "Road", is_top, domain=domain, full=1.0)
-    found = optimized(scenes.scattered(surface, count=300), blocked="Road")
+    found = optimized(scenes.scattered(surface, count=300), blocked_areas="Road")
     assert len(found) == 300
     assert on_top(found) == 0
 
@@ -103,11 +103,11 @@ def test_an_object_type_has_points_on_the_faces_of_its_own_density_alone(domain)
     with_faces(surface, "Stones", lambda center: center[2] < -0.9, domain=domain)
     obj = scenes.scattered(surface, count=300)
     for name in ("Flowers", "", "Stones"):
-        bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[-1].density = name
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[-1].density = name
     found = optimized(obj)
     meshio = addon_host.part("blender.base.mesh_arrays")
-    kinds = meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
+    kinds = meshio.read_columns(obj.data, {"dapple_object_type": "INT"})["dapple_object_type"]
     assert np.bincount(kinds).tolist() == [100, 100, 100]
     assert on_top(found[kinds == 0]) == 100
     assert (found[kinds == 2, 2] < -1.0 + FLAT).all()
@@ -119,11 +119,11 @@ def test_values_of_vertices_faces_and_corners_are_multiplied():
     upper = [1.0 if vertex.co.y > 0.0 else 0.0 for vertex in surface.data.vertices]
     surface.data.attributes.new("Slowly", "FLOAT", "POINT").data.foreach_set("value", upper)
     obj = scenes.scattered(surface, count=300)
-    found = optimized(obj, attribute="Grass", blocked="Road")
+    found = optimized(obj, attribute="Grass", blocked_areas="Road")
     assert (found[:, 2] > -1.0 + FLAT).all()
     assert (found[:, 0] < 1.0 - FLAT).all()
-    bpy.ops.dapple.edit_classes(action="ADD")
-    obj.dapple.classes[-1].density = "Slowly"
+    bpy.ops.dapple.edit_object_types(action="ADD")
+    obj.dapple.object_types[-1].density = "Slowly"
     found = optimized(obj)
     assert (found[:, 2] > -1.0 + FLAT).all()
     assert (found[:, 0] < 1.0 - FLAT).all()
@@ -168,7 +168,7 @@ def test_face_values_of_parts_count_on_a_joined_surface():
     first.select_set(True)
     second.select_set(True)
     bpy.context.view_layer.objects.active = first
-    assert bpy.ops.dapple.add(count=200) == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=200) == {"FINISHED"}
     found = optimized(bpy.context.object, attribute="Grass")
     assert on_top(found) == 200
     assert (found[:, 0] > 2.5).sum() == 100
@@ -181,7 +181,7 @@ def test_slope_has_no_points_on_the_walls_of_a_cube():
 
 def test_slope_has_points_on_the_treads_of_stairs_alone():
     obj = scenes.scattered(stairs(), count=300)
-    found = optimized(obj, use_slope=True, slope_to=math.radians(45))
+    found = optimized(obj, use_slope=True, slope_max=math.radians(45))
     heights = 0.1 + 0.2 * np.arange(5)
     assert len(found) == 300
     assert np.abs(found[:, 2, None] - heights).min(axis=1).max() < FLAT
@@ -189,7 +189,7 @@ def test_slope_has_points_on_the_treads_of_stairs_alone():
 
 def test_slope_finds_walls_alone():
     obj = scenes.scattered(cube(), count=300)
-    found = optimized(obj, use_slope=True, slope_from=math.radians(80), slope_to=math.radians(100))
+    found = optimized(obj, use_slope=True, slope_min=math.radians(80), slope_max=math.radians(100))
     assert (np.abs(found[:, 2]) < 1.0 - FLAT).all()
 
 
@@ -213,7 +213,7 @@ def test_a_sharp_height_has_no_points_on_the_walls_below_a_floor(lift):
     bpy.context.view_layer.update()
     obj = scenes.scattered(surface, count=300)
     found = optimized(
-        obj, use_height=True, height_from=lift + 1.0, height_to=lift + 2.0, height_fade=0.0
+        obj, use_height=True, height_min=lift + 1.0, height_max=lift + 2.0, height_falloff=0.0
     )
     assert on_top(found - [0.0, 0.0, lift]) == 300
 
@@ -223,7 +223,7 @@ def test_a_face_of_no_density_gets_no_points_while_points_are_kept(live):
     obj = scenes.scattered(surface, count=300)
     optimized(obj)
     obj.dapple.auto_update_choice = "ON"
-    obj.dapple.density.blocked = "Road"
+    obj.dapple.density.blocked_areas = "Road"
     assert live.settle() > 0
     assert on_top(scenes.positions(obj)) == 0
     assert len(scenes.positions(obj)) == 300
@@ -278,7 +278,7 @@ def test_values_of_faces_and_corners_are_of_their_triangles():
     with_materials(surface, lambda center: int(is_top(center)))
     obj = scenes.scattered(surface, count=20)
     density = obj.dapple.density
-    density.attribute, density.blocked, density.use_material = "FACE", "CORNER", True
+    density.attribute, density.blocked_areas, density.use_material = "FACE", "CORNER", True
     choose(obj, "Grass")
     settings = addon_host.part("blender.scatter.object").settings_of(obj)
     found = addon_host.part("blender.surface.reading").read(surface, settings, obj)
@@ -442,7 +442,7 @@ def test_materials_of_parts_count_on_a_joined_surface():
     second = with_materials(bpy.context.object, sides, ("Brick", "Stone", "Grass"))
     first.select_set(True)
     bpy.context.view_layer.objects.active = first
-    assert bpy.ops.dapple.add(count=200) == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=200) == {"FINISHED"}
     obj = bpy.context.object
     shown = addon_host.part("blender.density.panel")
     assert shown.MATERIALS.of(obj) == ("Soil", "Grass", "Stone", "Brick")
@@ -525,7 +525,7 @@ def bent_grid(frames=5):
 def test_a_bake_has_no_point_on_a_face_of_no_density(domain, population):
     surface = with_faces(bent_grid(), "Grass", lambda center: center[0] > 0.0, domain=domain)
     obj = scenes.scattered(surface, count=150)
-    obj.dapple.count_over_time = population
+    obj.dapple.population = population
     optimized(obj, attribute="Grass")
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for found in in_frames(obj, range(1, 6)):
@@ -581,8 +581,8 @@ def melting(frames=4):
 def test_new_faces_of_no_density_get_no_points_in_a_bake(population):
     surface = melting()
     obj = scenes.scattered(surface, count=100)
-    obj.dapple.on_topology_change, obj.dapple.count_over_time = "REBIND", population
-    obj.dapple.bind_to = "FACES"
+    obj.dapple.new_topology, obj.dapple.population = "REATTACH", population
+    obj.dapple.attach_to = "FACES"
     optimized(obj, attribute="Grass")
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for found in in_frames(obj, range(1, 5)):
@@ -616,8 +616,8 @@ def wandering(frames=5):
 def test_points_leave_faces_that_have_no_density_once_the_faces_change(population):
     surface = wandering()
     obj = scenes.scattered(surface, count=100)
-    obj.dapple.on_topology_change, obj.dapple.count_over_time = "REBIND", population
-    obj.dapple.bind_to = "FACES"
+    obj.dapple.new_topology, obj.dapple.population = "REATTACH", population
+    obj.dapple.attach_to = "FACES"
     optimized(obj, attribute="Grass")
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame, found in zip(range(1, 6), in_frames(obj, range(1, 6)), strict=True):

@@ -49,7 +49,7 @@ def on_plane(count=300, **density):
 def test_points_lie_near_a_curve_that_has_no_faces():
     curve = path()
     obj, found = on_plane(
-        use_distance=True, distance_object=curve, distance_to=0.2, distance_fade=0.0
+        use_distance=True, distance_object=curve, distance_max=0.2, distance_falloff=0.0
     )
     assert away(found, curve).max() < 0.2 + 0.02
     assert away(found, curve).max() > 0.17
@@ -63,15 +63,17 @@ def test_a_curve_above_the_surface_counts_if_height_is_ignored():
     curve.location.z = 3.0
     obj, _ = on_plane(60)
     with pytest.raises(RuntimeError, match="density is 0"):
-        optimized(obj, use_distance=True, distance_object=curve, distance_to=0.2, distance_fade=0.0)
-    found = optimized(obj, distance_plan=True)
+        optimized(
+            obj, use_distance=True, distance_object=curve, distance_max=0.2, distance_falloff=0.0
+        )
+    found = optimized(obj, ignore_height=True)
     assert away(found + np.array([0.0, 0.0, 3.0]), curve).max() < 0.22
 
 
 def test_points_thin_out_over_the_falloff():
     curve = path(((-5.0, 0.0, 0.0), (5.0, 0.0, 0.0)))
     _, found = on_plane(
-        800, use_distance=True, distance_object=curve, distance_to=0.2, distance_fade=0.8
+        800, use_distance=True, distance_object=curve, distance_max=0.2, distance_falloff=0.8
     )
     distance = np.abs(found[:, 1])
     full = 0.2 + 0.5 * 0.8  # integral of the density on one side
@@ -86,7 +88,7 @@ def test_a_bezier_curve_counts_as_it_is_drawn_and_moves_with_its_object():
     circle = bpy.context.object
     circle.data.resolution_u = 32
     _, found = on_plane(
-        use_distance=True, distance_object=circle, distance_to=0.1, distance_fade=0.0
+        use_distance=True, distance_object=circle, distance_max=0.1, distance_falloff=0.0
     )
     radius = np.linalg.norm(found - [0.3, 0.0, 0.0], axis=1)
     assert 0.38 < radius.min() < radius.max() < 0.62
@@ -108,10 +110,10 @@ def edges_of(location):
 
 def test_empties_wires_and_points_count_where_they_are():
     at = empty()
-    obj, found = on_plane(200, use_distance=True, distance_object=at, distance_fade=0.0)
+    obj, found = on_plane(200, use_distance=True, distance_object=at, distance_falloff=0.0)
     assert np.linalg.norm(found - [0.5, 0.5, 0.0], axis=1).max() < 0.52
     wire = edges_of((-0.5, 0.0, 0.0))
-    found = optimized(obj, distance_object=wire, distance_to=0.2)
+    found = optimized(obj, distance_object=wire, distance_max=0.2)
     beside = np.hypot(found[:, 0] + 0.5, np.maximum(np.abs(found[:, 1]) - 0.3, 0.0))
     loose = np.linalg.norm(found, axis=1)
     assert np.minimum(beside, loose).max() < 0.22
@@ -128,7 +130,7 @@ def test_strands_count_by_their_lines():
     places = [(-0.8, -0.5, 0), (-0.8, 0.5, 0), (0.8, -0.5, 0), (0.8, 0.0, 0), (0.8, 0.5, 0)]
     hair.attributes["position"].data.foreach_set("vector", np.ravel(places))
     made = linked(bpy.data.objects.new("Hair", hair))
-    _, found = on_plane(200, use_distance=True, distance_object=made, distance_fade=0.0)
+    _, found = on_plane(200, use_distance=True, distance_object=made, distance_falloff=0.0)
     beside = np.hypot(np.abs(found[:, 0]) - 0.8, np.maximum(np.abs(found[:, 1]) - 0.5, 0.0))
     assert beside.max() < 0.52
     assert (beside < 0.1).any()
@@ -144,7 +146,7 @@ def test_the_nearest_object_of_a_collection_counts():
         into.objects.link(made)
     curve = path(((0.0, -0.8, 0.0), (0.0, -0.7, 0.0)))
     obj, found = on_plane(
-        300, use_distance=True, distance_collection=things, distance_to=0.2, distance_fade=0.0
+        300, use_distance=True, distance_collection=things, distance_max=0.2, distance_falloff=0.0
     )
     assert np.abs(np.abs(found[:, 0]) - 0.6).max() < 0.22
     assert 0.4 < (found[:, 0] > 0.0).mean() < 0.6
@@ -158,12 +160,12 @@ def test_inside_of_a_closed_mesh_the_distance_is_nothing():
     activate(plane())
     obj = scenes.scattered(bpy.context.object, count=300)
     found = optimized(
-        obj, use_distance=True, distance_object=stone, distance_to=0.1, distance_fade=0.0
+        obj, use_distance=True, distance_object=stone, distance_max=0.1, distance_falloff=0.0
     )
     beyond = np.abs(found[:, :2]).max(axis=1)
     assert beyond.max() < 0.52
     assert (beyond < 0.2).any()
-    found = optimized(obj, distance_from=0.05)
+    found = optimized(obj, distance_min=0.05)
     assert np.abs(found[:, :2]).max(axis=1).min() > 0.44
 
 
@@ -175,8 +177,8 @@ def test_points_of_another_scatter_count_and_its_own_do_not():
     activate(surface)
     obj = scenes.scattered(surface, count=200)
     things.objects.link(obj)
-    density = {"use_distance": True, "distance_collection": things, "distance_fade": 0.0}
-    found = optimized(obj, distance_to=0.3, **density)
+    density = {"use_distance": True, "distance_collection": things, "distance_falloff": 0.0}
+    found = optimized(obj, distance_max=0.3, **density)
     apart = np.linalg.norm(found[:, None] - scenes.positions(trees)[None], axis=2).min(axis=1)
     assert apart.max() < 0.32
     np.testing.assert_array_equal(optimized(obj), found)
@@ -186,7 +188,7 @@ def test_an_object_that_is_hidden_counts():
     curve = path()
     curve.hide_set(True)
     _, found = on_plane(
-        100, use_distance=True, distance_object=curve, distance_to=0.2, distance_fade=0.0
+        100, use_distance=True, distance_object=curve, distance_max=0.2, distance_falloff=0.0
     )
     assert away(found, curve).max() < 0.22
 
@@ -230,7 +232,7 @@ def test_without_an_object_the_distance_has_no_effect_and_the_panel_says_so():
 
 
 def test_points_keep_to_the_border_or_off_it():
-    obj, found = on_plane(use_border=True, border_to=0.2, border_fade=0.0)
+    obj, found = on_plane(use_border=True, border_max=0.2, border_falloff=0.0)
     assert (1.0 - np.abs(found[:, :2]).max(axis=1)).max() < 0.22
     found = optimized(obj, border_invert=True)
     assert (1.0 - np.abs(found[:, :2]).max(axis=1)).min() > 0.18
@@ -250,7 +252,7 @@ def test_a_border_mask_on_a_closed_surface_has_no_effect_and_the_panel_says_so()
 def test_aspect_keeps_one_side_of_a_sphere():
     obj = scenes.scattered(scenes.sphere(), count=200)
     found = optimized(
-        obj, use_aspect=True, aspect_to=math.radians(60), aspect_fade=math.radians(10)
+        obj, use_aspect=True, aspect_max=math.radians(60), aspect_falloff=math.radians(10)
     )
     around = np.degrees(np.arctan2(found[:, 0], found[:, 1]))  # clockwise from north
     steep = np.abs(found[:, 2]) < 0.95
@@ -261,7 +263,7 @@ def test_aspect_keeps_one_side_of_a_sphere():
 
 
 def test_noise_makes_patches_that_stay_with_the_surface():
-    obj, found = on_plane(400, use_noise=True, noise_scale=0.5, noise_fade=0.0)
+    obj, found = on_plane(400, use_noise=True, noise_size=0.5, noise_falloff=0.0)
     values = noise(found / 0.5, 2, 0)
     assert np.quantile(values, 0.05) > 0.45
     surface = obj.dapple.surface
@@ -281,11 +283,11 @@ def test_masks_multiply():
     _, found = on_plane(
         use_distance=True,
         distance_object=curve,
-        distance_to=0.3,
-        distance_fade=0.0,
+        distance_max=0.3,
+        distance_falloff=0.0,
         use_border=True,
-        border_to=0.3,
-        border_fade=0.0,
+        border_max=0.3,
+        border_falloff=0.0,
     )
     assert np.abs(found[:, 1]).max() < 0.32
     assert np.abs(found[:, 0]).min() > 0.68
@@ -293,7 +295,7 @@ def test_masks_multiply():
 
 def test_strength_leaves_a_part_of_the_density():
     curve = path(((-5.0, 0.0, 0.0), (5.0, 0.0, 0.0)))
-    mask = {"distance_to": 0.5, "distance_fade": 0.0, "distance_strength": 0.75}
+    mask = {"distance_max": 0.5, "distance_falloff": 0.0, "distance_strength": 0.75}
     _, found = on_plane(600, use_distance=True, distance_object=curve, **mask)
     assert (np.abs(found[:, 1]) < 0.5).mean() == pytest.approx(0.8, abs=0.02)
 
@@ -404,10 +406,10 @@ MASK_SETTINGS = {
     "use_noise": True,
     "noise_seed": 3,
     "noise_detail": 4,
-    "noise_scale": 0.3,
-    "distance_fade": 0.2,
+    "noise_size": 0.3,
+    "distance_falloff": 0.2,
     "distance_invert": True,
-    "distance_plan": True,
+    "ignore_height": True,
     "distance_strength": 0.5,
 }
 
@@ -425,7 +427,7 @@ def test_a_setting_of_a_mask_is_a_change_and_followed(live, name):
 def test_settings_of_a_mask_that_is_off_change_nothing():
     obj = solved(plane())
     density = obj.dapple.density
-    density.distance_to, density.border_invert, density.noise_seed = 3.0, True, 9
+    density.distance_max, density.border_invert, density.noise_seed = 3.0, True, 9
     density.distance_object, density.aspect_direction = empty(), 1.0
     density.image_channel = "RED"
     assert reason(obj) == ""
@@ -477,7 +479,7 @@ def test_a_curve_that_moves_leaves_what_is_far_from_it(live):
     obj.dapple.auto_update_choice, obj.dapple.amount = "ON", "PER_AREA"
     obj.dapple.points_per_area = 100.0
     density = obj.dapple.density
-    density.use_distance, density.distance_collection, density.distance_fade = True, guides, 0.3
+    density.use_distance, density.distance_collection, density.distance_falloff = True, guides, 0.3
     density.distance_strength = 0.7
     live.settle()
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
@@ -502,7 +504,7 @@ def test_a_bake_keeps_to_a_distance():
     bpy.context.scene.frame_set(1)
     activate(surface)
     obj = scenes.scattered(surface, count=80)
-    optimized(obj, use_distance=True, distance_object=curve, distance_fade=0.0, distance_to=0.2)
+    optimized(obj, use_distance=True, distance_object=curve, distance_falloff=0.0, distance_max=0.2)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     bpy.context.scene.frame_set(3)
     places = scenes.instance_matrices(obj)[:, :3, 3] / [1.3, 1.3, 1.0]
@@ -587,6 +589,6 @@ def test_masks_are_lines_that_open_their_settings():
         assert f"{name}_strength" not in shown
         setattr(obj.dapple.density, f"use_{name}", True)
         own = set(drawn())
-        for setting in ("from", "to", "fade", "invert", "strength"):
+        for setting in ("min", "max", "falloff", "invert", "strength"):
             assert f"{name}_{setting}" in own
         setattr(obj.dapple.density, f"use_{name}", False)

@@ -59,7 +59,7 @@ def painted(live, amount, locked, count):
     if locked:
         obj.data.vertices.foreach_set("select", np.arange(len(obj.data.vertices)) < locked)
         obj.data.update()
-        assert bpy.ops.dapple.lock() == {"FINISHED"}
+        assert bpy.ops.dapple.lock_points() == {"FINISHED"}
         live.settle()
     return surface, obj
 

@@ -31,7 +31,7 @@ def wait(overlay):
 
 
 def test_colors_tell_where_points_will_be(overlay):
-    obj = sloped(use_height=True, height_from=0.0, height_to=2.0, height_fade=0.0)
+    obj = sloped(use_height=True, height_min=0.0, height_max=2.0, height_falloff=0.0)
     assert bpy.ops.dapple.show_density() == {"FINISHED"}
     assert overlay.is_on(obj)
     positions, colors = overlay.triangles()
@@ -47,7 +47,7 @@ def test_colors_follow_settings_and_the_surface(overlay):
     obj = sloped(use_height=True)
     bpy.ops.dapple.show_density()
     before = overlay.triangles()
-    obj.dapple.density.height_from = 0.5
+    obj.dapple.density.height_min = 0.5
     wait(overlay)
     settled = overlay.triangles()
     assert settled[1].shape != before[1].shape or not np.array_equal(settled[1], before[1])
@@ -61,8 +61,8 @@ def test_the_shown_class_counts(overlay):
     obj = sloped()
     group = obj.dapple.surface.vertex_groups.new(name="Half")
     group.add([v.index for v in obj.dapple.surface.data.vertices if v.co.z > 0], 1.0, "REPLACE")
-    bpy.ops.dapple.edit_classes(action="ADD")
-    obj.dapple.classes[0].density = "Half"
+    bpy.ops.dapple.edit_object_types(action="ADD")
+    obj.dapple.object_types[0].density = "Half"
     bpy.ops.dapple.show_density()
     positions, colors = overlay.triangles()
     assert len(np.unique(colors[positions[:, 2] < -0.2], axis=0)) == 1
@@ -108,12 +108,12 @@ def test_the_class_that_is_chosen_later_is_shown(overlay):
         group = surface.vertex_groups.new(name=name)
         chosen = [v.index for v in surface.data.vertices if sign * v.co.z > 0]
         group.add(chosen, 1.0, "REPLACE")
-        bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[-1].density = name
-    obj.dapple.class_index = 0
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[-1].density = name
+    obj.dapple.object_type_index = 0
     bpy.ops.dapple.show_density()
     positions, first = overlay.triangles()
-    obj.dapple.class_index = 1
+    obj.dapple.object_type_index = 1
     _, second = looked(overlay)
     most = addon_host.part("core.density.colors").colored(np.array([1.0]))
     assert (first[positions[:, 2] > 0.3] == most).all()
@@ -202,7 +202,7 @@ def test_colors_are_computed_by_a_worker_and_the_last_ones_are_shown_until_then(
     before, colors = overlay.triangles()
     monkeypatch.setattr(addon_host.part("blender.base.jobs"), "at_once", False)
     event, threads = windowed.held_back(monkeypatch, overlay, "computed")
-    obj.dapple.density.height_from = 0.5
+    obj.dapple.density.height_min = 0.5
     windowed.until(lambda: threads, lambda: wait(overlay))
     for _ in range(3):
         wait(overlay)
@@ -247,7 +247,7 @@ def test_a_render_stops_the_worker_and_colors_come_afterward(overlay, monkeypatc
     before, _ = overlay.triangles()
     monkeypatch.setattr(addon_host.part("blender.base.jobs"), "at_once", False)
     event, threads = windowed.held_back(monkeypatch, overlay, "computed")
-    obj.dapple.density.height_from = 0.5
+    obj.dapple.density.height_min = 0.5
     windowed.until(lambda: threads, lambda: wait(overlay))
     with probe.registered():
         probe.render(obj, 1)
@@ -262,8 +262,8 @@ def test_colors_are_drawn_where_the_surface_is(overlay):
     for vertex in bpy.context.object.data.vertices:
         vertex.co.z = 0.1 * (vertex.co.x > 0.0)
     density = scenes.scattered(bpy.context.object, count=40).dapple.density
-    density.use_height, density.height_fade = True, 0.0
-    density.height_from, density.height_to = 0.05, 1.0
+    density.use_height, density.height_falloff = True, 0.0
+    density.height_min, density.height_max = 0.05, 1.0
     bpy.ops.dapple.show_density()
     most, none = addon_host.part("core.density.colors").colored(np.array([1.0, 0.0]))
     found = drawn.picture(overlay.draw, (-2.0, -2.0), (2.0, 2.0), (64, 64))[..., :3]

@@ -12,7 +12,7 @@ import test_panels
 from test_failures import everything
 from test_undo import state
 
-OPERATORS = ("paint_density", "paint_blocked")
+OPERATORS = ("paint_density", "paint_blocked_areas")
 
 
 @pytest.fixture
@@ -62,10 +62,10 @@ def test_one_click_is_there_and_another_is_back(obj):
     name = obj.dapple.density.attribute
     assert surface.vertex_groups.active.name == name == f"{obj.name} Density"
     assert set(weights(surface, name)) == {0.5}
-    assert paint("paint_done") == {"FINISHED"}
+    assert paint("finish_painting") == {"FINISHED"}
     assert (bpy.context.mode, bpy.context.object) == ("OBJECT", obj)
     assert bpy.context.selected_objects == [obj]
-    assert not bpy.ops.dapple.paint_done.poll()
+    assert not bpy.ops.dapple.finish_painting.poll()
 
 
 def test_a_new_group_takes_nothing_from_an_amount_by_area(obj):
@@ -93,7 +93,7 @@ def test_the_group_in_use_is_taken_as_it_is(obj):
     for _ in range(2):
         paint("paint_density")
         assert surface.vertex_groups.active.name == obj.dapple.density.attribute == "Grass"
-        paint("paint_done")
+        paint("finish_painting")
     assert len(surface.vertex_groups) == 3
     assert sum(weights(surface, "Grass")) == 1.0
 
@@ -101,7 +101,7 @@ def test_the_group_in_use_is_taken_as_it_is(obj):
 def test_the_group_of_another_scatter_is_left_alone(obj):
     surface = obj.dapple.surface
     paint("paint_density")
-    paint("paint_done")
+    paint("finish_painting")
     second = scenes.scattered(surface)
     paint("paint_density")
     assert second.dapple.density.attribute != obj.dapple.density.attribute
@@ -156,9 +156,9 @@ def test_what_is_blocked_stays_free_whatever_the_density_is(obj):
     surface = obj.dapple.surface
     with following.driven() as live:
         paint("paint_density")
-        paint("paint_done")
-        paint("paint_blocked")
-        name = obj.dapple.density.blocked
+        paint("finish_painting")
+        paint("paint_blocked_areas")
+        name = obj.dapple.density.blocked_areas
         assert surface.vertex_groups.active.name == name == f"{obj.name} Blocked"
         assert set(weights(surface, name)) == {0.0}
         live.settle()
@@ -174,11 +174,11 @@ def test_what_is_blocked_stays_free_whatever_the_density_is(obj):
 def test_the_panel_goes_on_showing_the_scatter(obj):
     paint("paint_density")
     shown = test_panels.drawn()
-    assert {"dapple.paint_done", "count", "auto_update"} <= set(shown)
+    assert {"dapple.finish_painting", "count", "auto_update"} <= set(shown)
     # some versions of Blender have no brush
     if bpy.context.tool_settings.weight_paint.brush is not None:
         assert "weight" in shown
-    assert "dapple.add" not in shown
+    assert "dapple.add_scatter" not in shown
     assert f"Painting the density of '{obj.name}'" in " ".join(shown)
     obj.dapple.surface.vertex_groups.new(name="Else")
     obj.dapple.surface.vertex_groups.active_index = 1
@@ -190,15 +190,15 @@ def test_the_panel_does_not_lie_after_leaving_by_hand(obj):
     paint("paint_density")
     bpy.ops.object.mode_set(mode="OBJECT")
     shown = test_panels.drawn()
-    assert {"dapple.add", "dapple.select_scatter"} <= set(shown)
-    assert "dapple.paint_done" not in shown
+    assert {"dapple.add_scatter", "dapple.select_scatter"} <= set(shown)
+    assert "dapple.finish_painting" not in shown
     bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-    assert "dapple.paint_done" in test_panels.drawn()
+    assert "dapple.finish_painting" in test_panels.drawn()
     bpy.ops.object.mode_set(mode="OBJECT")
     other = scenes.sphere()
     bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
     assert bpy.context.object == other != surface
-    assert "dapple.paint_done" not in test_panels.drawn()
+    assert "dapple.finish_painting" not in test_panels.drawn()
 
 
 @pytest.mark.parametrize("gone", ["scatter", "surface", "unlinked"])
@@ -209,7 +209,7 @@ def test_what_is_deleted_meanwhile_is_missed_by_nobody(obj, gone):
         bpy.context.collection.objects.unlink(obj)
     else:
         bpy.data.objects.remove(obj if gone == "scatter" else surface)
-    assert not bpy.ops.dapple.paint_done.poll()
+    assert not bpy.ops.dapple.finish_painting.poll()
     test_panels.drawn()
     if gone == "surface":
         scenes.activate(obj)
@@ -220,7 +220,7 @@ def test_what_is_deleted_meanwhile_is_missed_by_nobody(obj, gone):
 def test_a_hidden_scatter_is_come_back_to(obj):
     paint("paint_density")
     obj.hide_set(True)
-    assert paint("paint_done") == {"FINISHED"}
+    assert paint("finish_painting") == {"FINISHED"}
     assert (bpy.context.mode, bpy.context.object) == ("OBJECT", obj)
 
 
@@ -231,12 +231,12 @@ def test_undo_of_entering_and_of_leaving(obj, name):
     paint(name)
     painting = situation()
     assert painting["mode"] == ("PAINT_WEIGHT", "Sphere")
-    paint("paint_done")
+    paint("finish_painting")
     after = situation()
     for _ in range(2):
         bpy.ops.ed.undo()
         assert situation() == painting
-        assert "dapple.paint_done" in test_panels.drawn()
+        assert "dapple.finish_painting" in test_panels.drawn()
         bpy.ops.ed.undo()
         assert situation() == before
         bpy.ops.ed.redo()
@@ -251,7 +251,7 @@ def test_a_file_saved_while_painting_knows_the_scatter(obj, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     assert bpy.context.mode == "PAINT_WEIGHT"
-    assert paint("paint_done") == {"FINISHED"}
+    assert paint("finish_painting") == {"FINISHED"}
     assert bpy.context.object.name == name
 
 
@@ -289,7 +289,7 @@ def curved(obj, surface):
 
 def colored(obj, surface):
     surface.data.attributes.new("Color", "FLOAT", "POINT")
-    obj.dapple.density.attribute = obj.dapple.density.blocked = "Color"
+    obj.dapple.density.attribute = obj.dapple.density.blocked_areas = "Color"
 
 
 TROUBLES = [

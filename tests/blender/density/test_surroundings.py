@@ -165,7 +165,7 @@ def test_points_keep_off_closed_things_and_near_open_ones():
     obstacle(things, 0.4, (-1, -1, 0.02), flat=True)
     activate(surface)
     obj = scenes.scattered(surface, count=600)
-    found = optimized(obj, obstacles=things, obstacle_margin=0.1)
+    found = optimized(obj, avoid_collection=things, avoid_margin=0.1)
     away = np.abs(found[:, :2] - [1, 1]).max(axis=1)
     flat = np.abs(found[:, :2] + [1, 1]).max(axis=1)
     assert away.min() > 0.4 + 0.1 - 1e-6
@@ -177,12 +177,12 @@ def test_points_keep_off_closed_things_and_near_open_ones():
 def test_points_keep_off_those_of_another_scatter():
     surface = plane(4.0)
     trees = scenes.scattered(surface, count=12)
-    trees.dapple.classes.add().radius = 0.3
+    trees.dapple.object_types.add().radius = 0.3
     things = collection()
     things.objects.link(trees)
     activate(surface)
     grass = scenes.scattered(surface, count=500)
-    found = optimized(grass, obstacles=things)
+    found = optimized(grass, avoid_collection=things)
     apart = np.linalg.norm(found[:, None] - scenes.positions(trees)[None], axis=2)
     assert apart.min() >= 0.3 - 1e-5
 
@@ -192,15 +192,15 @@ def of_its_own(obj, things):
     inner = bpy.data.collections.new("Inner")
     things.children.link(inner)
     activate(obj)
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     tiles = obj.dapple.tiles.object
     twin = bpy.data.objects.new("Twin", tiles.data)
     obj.dapple.instance = obstacle(inner, 0.3)
-    obj.dapple.classes[0].instance = obstacle(inner, 0.3, (1, 1, 0))
+    obj.dapple.object_types[0].instance = obstacle(inner, 0.3, (1, 1, 0))
     placed = bpy.data.collections.new("Placed")
     obstacle(placed, 0.3, (-1, 1, 0))
     inner.children.link(placed)
-    obj.dapple.classes[0].collection = placed
+    obj.dapple.object_types[0].collection = placed
     for one in (obj, tiles, twin):
         inner.objects.link(one)
     activate(obj)
@@ -208,26 +208,26 @@ def of_its_own(obj, things):
 
 def test_a_scatter_does_not_flee_from_its_own_points_tiles_and_things():
     obj = scenes.scattered(plane(4.0), count=60)
-    bpy.ops.dapple.edit_classes(action="ADD")
-    obj.dapple.classes[0].radius = 0.1
+    bpy.ops.dapple.edit_object_types(action="ADD")
+    obj.dapple.object_types[0].radius = 0.1
     expected = optimized(obj)
     things = collection()
     of_its_own(obj, things)
     for _ in range(2):
-        found = optimized(obj, obstacles=things)
+        found = optimized(obj, avoid_collection=things)
         np.testing.assert_array_equal(found, expected)
 
 
 def test_a_bake_does_not_flee_from_its_own_points():
     obj = scenes.scattered(plane(4.0), count=60)
-    obj.dapple.classes.add().radius = 0.1
+    obj.dapple.object_types.add().radius = 0.1
     optimized(obj)
     bpy.context.scene.frame_end = 2
     found = []
     for obstacles in (None, collection()):
         if obstacles:
             obstacles.objects.link(obj)
-        obj.dapple.density.obstacles = obstacles
+        obj.dapple.density.avoid_collection = obstacles
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         found.append(scenes.positions(obj))
     np.testing.assert_array_equal(*found)
@@ -235,9 +235,9 @@ def test_a_bake_does_not_flee_from_its_own_points():
 
 def test_a_copy_of_a_scatter_keeps_off_the_first_but_not_off_the_tiles_that_both_have():
     first = scenes.scattered(plane(4.0), count=20)
-    first.dapple.classes.add().radius = 0.1
+    first.dapple.object_types.add().radius = 0.1
     optimized(first)
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     things = collection()
     for one in (first, first.dapple.tiles.object):
         things.objects.link(one)
@@ -245,7 +245,7 @@ def test_a_copy_of_a_scatter_keeps_off_the_first_but_not_off_the_tiles_that_both
     assert bpy.ops.object.duplicate() == {"FINISHED"}
     second = bpy.context.object
     assert second.dapple.tiles.object == first.dapple.tiles.object
-    found = optimized(second, obstacles=things)
+    found = optimized(second, avoid_collection=things)
     apart = np.linalg.norm(found[:, None] - expected[None], axis=2)
     assert apart.min() >= 0.1 - 1e-5
     things.objects.unlink(first.dapple.tiles.object)
@@ -257,7 +257,7 @@ def test_a_range_of_heights_is_met_within_faces():
     surface.rotation_euler = (0, math.radians(60), 0)
     bpy.context.view_layer.update()
     obj = scenes.scattered(surface, count=200)
-    found = optimized(obj, use_height=True, height_from=0.0, height_to=0.5, height_fade=0.0)
+    found = optimized(obj, use_height=True, height_min=0.0, height_max=0.5, height_falloff=0.0)
     assert found[:, 2].min() > -0.1
     assert found[:, 2].max() < 0.6
 
@@ -297,8 +297,8 @@ def test_what_cannot_be_a_density_is_told_and_nothing_is_lost(given, said):
         bpy.context.scene.camera = camera
         bpy.context.view_layer.update()
     if given == "covered":
-        density.obstacles = collection()
-        obstacle(density.obstacles, 5.0)
+        density.avoid_collection = collection()
+        obstacle(density.avoid_collection, 5.0)
     activate(obj)
     with pytest.raises(RuntimeError, match=said):
         bpy.ops.dapple.optimize()

@@ -124,7 +124,7 @@ def corners(obj):
 def test_boxes_are_fitted_as_their_instances_are():
     obj = field(60)
     obj.dapple.collection = things()
-    obj.dapple.fit = 1.0
+    obj.dapple.fit_to_spacing = 1.0
     fitted, whole = scenes.instance_matrices(obj), corners(obj)
     obj.dapple.display_as = "BOUNDS"
     sizes = [
@@ -140,9 +140,9 @@ def test_a_cone_and_several_object_types_have_boxes_too():
     obj.dapple.display_as = "BOUNDS"
     assert instances(obj) == [8] * 60
     for _ in range(2):
-        bpy.ops.dapple.edit_classes(action="ADD")
+        bpy.ops.dapple.edit_object_types(action="ADD")
     bpy.ops.dapple.optimize()
-    obj.dapple.classes[1].instance = things().objects[0]
+    obj.dapple.object_types[1].instance = things().objects[0]
     assert instances(obj) == [8] * 60
 
 
@@ -341,11 +341,11 @@ def test_what_is_left_covers_as_much_ground_as_all_did():
 def test_object_types_keep_their_shares():
     obj = field(900)
     for share in (3.0, 1.0):
-        bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[-1].share = share
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[-1].weight = share
     bpy.ops.dapple.optimize()
     thing = things().objects[0]
-    obj.dapple.classes[1].instance = thing
+    obj.dapple.object_types[1].instance = thing
     detailed(obj, distance=0.1, minimum=0.2)
     over_the_field()
     counts = instances(obj)

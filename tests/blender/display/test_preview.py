@@ -32,7 +32,7 @@ def riding(obj, frame):
 
 
 def toggled():
-    assert bpy.ops.dapple.preview() == {"FINISHED"}
+    assert bpy.ops.dapple.live_preview() == {"FINISHED"}
 
 
 def test_points_follow_while_scrubbing_and_ride_again_when_it_is_off(preview, patient):
@@ -173,7 +173,7 @@ def test_undo_keeps_or_ends_the_preview_as_it_was(preview, patient):
     preview.tick()
     assert preview.is_on(obj)
     bpy.context.view_layer.objects.active = obj
-    assert bpy.ops.dapple.preview() == {"FINISHED"}
+    assert bpy.ops.dapple.live_preview() == {"FINISHED"}
     assert not preview.is_on(obj)
     bpy.ops.ed.redo()  # a step at which a preview was shown
     assert preview.tick() is None
@@ -186,7 +186,7 @@ def test_a_stale_scatter_is_not_previewed(patient):
     with pytest.raises(
         RuntimeError, match="is out of date: attached to 410 vertices, surface 'Tail' has 1634"
     ):
-        bpy.ops.dapple.preview()
+        bpy.ops.dapple.live_preview()
 
 
 def test_points_are_found_by_a_worker_and_ride_until_then(preview, patient, monkeypatch):

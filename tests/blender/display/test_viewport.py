@@ -28,12 +28,12 @@ def test_the_viewport_shows_an_even_share(share):
 def test_classes_keep_their_shares():
     obj = scenes.scattered(scenes.sphere(), count=200)
     for share in (3.0, 1.0):
-        bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[-1].share = share
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[-1].weight = share
     bpy.ops.dapple.optimize()
     ranks, classes = (np.empty(200, dtype=kind) for kind in (np.float32, np.int32))
     obj.data.attributes["dapple_rank"].data.foreach_get("value", ranks)
-    obj.data.attributes["dapple_class"].data.foreach_get("value", classes)
+    obj.data.attributes["dapple_object_type"].data.foreach_get("value", classes)
     assert (classes[ranks < 0.4] == 1).sum() == pytest.approx(20, abs=1)
     obj.dapple.viewport_share = 0.4
     assert len(scenes.instance_matrices(obj)) == pytest.approx(80, abs=1)

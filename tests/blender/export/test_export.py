@@ -76,7 +76,7 @@ def trees():
     """A scatter of two kinds of trees on a tail that moves."""
     obj = scenes.scattered(scenes.tail(frames=4), count=60)
     obj.dapple.collection = collection_of(solid("Pine"), solid("Oak"))
-    obj.dapple.scale_randomness = 0.5
+    obj.dapple.random_scale_down = 0.5
     return obj
 
 
@@ -221,10 +221,10 @@ def test_tables_hold_the_same_in_columns(tmp_path, trees):
 
 def test_object_types_are_told_and_cones_are_things_too(tmp_path):
     obj = with_classes(scenes.sphere(), {}, {}, count=40)
-    obj.dapple.classes[0].instance = solid("Rock")
+    obj.dapple.object_types[0].instance = solid("Rock")
     part("points").export_points(tmp_path / "types.npz", [obj])
     arrays = np.load(tmp_path / "types.npz")
-    kinds = {vertex.value for vertex in obj.data.attributes["dapple_class"].data}
+    kinds = {vertex.value for vertex in obj.data.attributes["dapple_object_type"].data}
     assert set(arrays["classes"].tolist()) == kinds == {0, 1}
     names = arrays["names"][arrays["prototypes"]]
     assert set(names[arrays["classes"] == 0]) == {"Rock"}
@@ -272,7 +272,7 @@ def test_objects_of_a_collection_that_stand_together_have_ids_of_their_own(tmp_p
 def test_a_bake_with_points_that_come_and_go(tmp_path):
     surface = scenes.tail(frames=4)
     obj = scenes.scattered(surface, count=40)
-    obj.dapple.count_over_time = "KEEP_DENSITY"
+    obj.dapple.population = "KEEP_DENSITY"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     part("points").export_points(tmp_path / "baked.csv", [obj], [1, 2, 3, 4])
     with (tmp_path / "baked.csv").open(newline="", encoding="utf-8") as file:
@@ -324,15 +324,15 @@ def test_without_usd_it_is_said_what_to_do(tmp_path, trees, monkeypatch):
 def test_the_operator_exports_what_is_selected(tmp_path, trees):
     scenes.activate(trees)
     path = tmp_path / "trees.csv"
-    assert bpy.ops.dapple.export(filepath=str(path), animation=True) == {"FINISHED"}
+    assert bpy.ops.dapple.export_points(filepath=str(path), animation=True) == {"FINISHED"}
     assert len(path.read_text().splitlines()) == 1 + 4 * 60
-    assert bpy.ops.dapple.export(filepath=str(tmp_path / "trees.glb"), animation=True) == {
+    assert bpy.ops.dapple.export_points(filepath=str(tmp_path / "trees.glb"), animation=True) == {
         "FINISHED"
     }
     with pytest.raises(RuntimeError, match="has no ending that is known"):
-        bpy.ops.dapple.export(filepath=str(tmp_path / "trees.xyz"))
+        bpy.ops.dapple.export_points(filepath=str(tmp_path / "trees.xyz"))
     scenes.activate(trees.dapple.surface)
-    assert not bpy.ops.dapple.export.poll()
+    assert not bpy.ops.dapple.export_points.poll()
 
 
 def test_the_menu_of_exports_has_a_line():
@@ -347,4 +347,4 @@ def test_the_menu_of_exports_has_a_line():
     for draw in bpy.types.TOPBAR_MT_file_export._dyn_ui_initialize():
         if draw.__module__.startswith(addon_host.MODULE):
             draw(Menu, bpy.context)
-    assert lines == [("dapple.export", "Dapple Points (.usd/.glb/.csv/.npz)")]
+    assert lines == [("dapple.export_points", "Dapple Points (.usd/.glb/.csv/.npz)")]

@@ -32,8 +32,8 @@ def painted_class():
     surface = scenes.sphere()
     group = weighed(surface)
     obj = scenes.scattered(surface)
-    bpy.ops.dapple.edit_classes(action="ADD")
-    obj.dapple.classes[0].density = "Grass"
+    bpy.ops.dapple.edit_object_types(action="ADD")
+    obj.dapple.object_types[0].density = "Grass"
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     yield obj
     group.add([100], 0.25, "REPLACE")
@@ -83,7 +83,7 @@ def zoomed_camera():
 
 def moved_obstacle():
     stone = obstacle()
-    obj = solved(scenes.sphere(), obstacles=bpy.data.collections["Stones"])
+    obj = solved(scenes.sphere(), avoid_collection=bpy.data.collections["Stones"])
     yield obj
     stone.location.z = -1.5
     yield "Avoided objects were moved or changed"
@@ -91,7 +91,7 @@ def moved_obstacle():
 
 def reshaped_obstacle():
     stone = obstacle()
-    obj = solved(scenes.sphere(), obstacles=bpy.data.collections["Stones"])
+    obj = solved(scenes.sphere(), avoid_collection=bpy.data.collections["Stones"])
     yield obj
     stone.data.vertices[3].co.z = 1.0
     yield "Avoided objects were moved or changed"
@@ -99,7 +99,7 @@ def reshaped_obstacle():
 
 def another_obstacle():
     obstacle()
-    obj = solved(scenes.sphere(), obstacles=bpy.data.collections["Stones"])
+    obj = solved(scenes.sphere(), avoid_collection=bpy.data.collections["Stones"])
     yield obj
     copy = bpy.data.objects["Stone"].copy()
     copy.location.x = 1.0
@@ -140,7 +140,7 @@ def sculpted():
 def scaled_at_rest_with_other_levels():
     surface = scenes.tail(levels=1, render_levels=2)
     scenes.activate(surface)
-    assert bpy.ops.dapple.add(count=60) == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=60) == {"FINISHED"}
     yield bpy.context.object
     surface.modifiers["Subdivision"].levels = 2
     assert reason(bpy.context.object) == ""
@@ -179,7 +179,7 @@ def no_geometry():
 def no_faces_at_rest():
     surface = scenes.sphere()
     scenes.activate(surface)
-    assert bpy.ops.dapple.add(count=60, bind_to="REST") == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=60, attach_to="REST") == {"FINISHED"}
     yield bpy.context.object
     surface.data.clear_geometry()
     yield "Surface 'Sphere': has no faces"
@@ -188,7 +188,7 @@ def no_faces_at_rest():
 def rest_position_off():
     surface = scenes.sphere()
     scenes.activate(surface)
-    assert bpy.ops.dapple.add(count=60, bind_to="REST") == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=60, attach_to="REST") == {"FINISHED"}
     yield bpy.context.object
     surface.add_rest_position_attribute = False
     yield "Rest Position of 'Sphere' is off"

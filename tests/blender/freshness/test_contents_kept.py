@@ -17,7 +17,7 @@ def test_names_alone_change_nothing():
         attribute="Grass",
         image=image,
         use_camera=True,
-        obstacles=bpy.data.collections["Stones"],
+        avoid_collection=bpy.data.collections["Stones"],
     )
     named = (surface, surface.data, stone, image, made, obj, obj.data)
     for one in (*named, bpy.data.collections["Stones"], bpy.context.scene):
@@ -34,9 +34,9 @@ def test_names_alone_change_nothing():
 def test_settings_without_effect_change_nothing():
     obj = solved(scenes.sphere())
     density = obj.dapple.density
-    density.slope_from, density.height_to, density.camera_margin = 0.3, 7.0, 0.5
-    density.obstacle_margin, density.uv_map = 0.2, "UVMap"
-    obj.dapple.stickiness, obj.dapple.key_every, obj.dapple.fade_frames = 4.0, 3, 5
+    density.slope_min, density.height_max, density.camera_margin = 0.3, 7.0, 0.5
+    density.avoid_margin, density.uv_map = 0.2, "UVMap"
+    obj.dapple.stickiness, obj.dapple.keyframe_step, obj.dapple.fade_duration = 4.0, 3, 5
     assert reason(obj) == ""
     assert scenes.node_warnings(obj) == []
 
@@ -47,7 +47,7 @@ def test_a_scene_that_is_moved_as_a_whole_fits(scale):
     above = linked(bpy.data.objects.new("Above", None))
     for one in (surface, stone, made):
         one.parent = above
-    obj = solved(surface, use_camera=True, obstacles=bpy.data.collections["Stones"])
+    obj = solved(surface, use_camera=True, avoid_collection=bpy.data.collections["Stones"])
     above.location, above.rotation_euler = (3, -40, 5), (1, 2, 3)
     assert reason(obj) == ""
     stone.location.x = 1e-3
@@ -70,7 +70,7 @@ def test_another_scatter_to_avoid_is_solved_again():
     collection = bpy.data.collections.new("Others")
     bpy.context.scene.collection.children.link(collection)
     collection.objects.link(other)
-    obj = solved(surface, obstacles=collection, obstacle_margin=0.1)
+    obj = solved(surface, avoid_collection=collection, avoid_margin=0.1)
     other.dapple.seed = 5
     assert reason(obj) == ""
     scenes.activate(other)

@@ -68,7 +68,7 @@ def drawn():
         if issubclass(kind, bpy.types.Panel) and getattr(kind, "poll", lambda _: True)(context):
             panel = types.SimpleNamespace(layout=test_panels.Layout(shown))
             kind.draw(panel, context)
-    assert bpy.ops.dapple.discard_bake.poll() in (True, False)
+    assert bpy.ops.dapple.discard_unfinished_bake.poll() in (True, False)
     return " ".join(shown)
 
 
@@ -152,7 +152,7 @@ def test_obstacles_and_the_camera_are_watched(waiting):
     bpy.context.scene.camera.location.z = 9.0
     bpy.context.scene.collection.objects.link(bpy.context.scene.camera)
     obj = scenes.scattered(surface)
-    obj.dapple.density.obstacles, obj.dapple.density.use_camera = stones, True
+    obj.dapple.density.avoid_collection, obj.dapple.density.use_camera = stones, True
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     drawn()
     looked(waiting)

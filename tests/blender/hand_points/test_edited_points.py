@@ -54,7 +54,7 @@ def test_after_deleting_points_all_goes_on(obj):
     edited(obj, deleted)
     said = "7 points were removed by hand: reattach to keep the others, or optimize"
     assert reason(obj) == said
-    for action in (bpy.ops.dapple.tile, bpy.ops.dapple.bake, bpy.ops.dapple.rebind):
+    for action in (bpy.ops.dapple.make_tiles, bpy.ops.dapple.bake, bpy.ops.dapple.reattach):
         assert action() == {"FINISHED"}
         assert len(scenes.positions(obj)) == 53
         assert scenes.node_warnings(obj) == []
@@ -63,7 +63,7 @@ def test_after_deleting_points_all_goes_on(obj):
     assert len(scenes.positions(obj)) == 60
 
 
-@pytest.mark.parametrize("name", ["bake", "tile", "preview"])
+@pytest.mark.parametrize("name", ["bake", "make_tiles", "live_preview"])
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -87,7 +87,7 @@ def test_points_that_nothing_binds_are_named_with_the_way_out(obj, change, words
 def test_re_bind_takes_added_and_copied_points_in(obj, change):
     before = columns(obj)
     edited(obj, change)
-    assert bpy.ops.dapple.rebind() == {"FINISHED"}
+    assert bpy.ops.dapple.reattach() == {"FINISHED"}
     assert reason(obj) == ""
     now = columns(obj)
     assert sorted(now["id"]) == list(range(63))
@@ -96,7 +96,7 @@ def test_re_bind_takes_added_and_copied_points_in(obj, change):
     ranks = [rank.value for rank in obj.data.attributes["dapple_rank"].data]
     assert len(set(ranks)) == 63
     assert (now["dapple_density"] == 1.0).all()
-    for action in (bpy.ops.dapple.tile, bpy.ops.dapple.bake):
+    for action in (bpy.ops.dapple.make_tiles, bpy.ops.dapple.bake):
         assert action() == {"FINISHED"}
         assert len(scenes.positions(obj)) == 63
     assert obj.dapple.report.count == 63
@@ -110,7 +110,7 @@ def test_re_bind_takes_moved_points_where_they_were_moved(obj):
             point.co.z += 0.3 if point.co.z < 2.0 else -0.3
 
     edited(obj, moved)
-    assert bpy.ops.dapple.rebind() == {"FINISHED"}
+    assert bpy.ops.dapple.reattach() == {"FINISHED"}
     apart = np.linalg.norm(scenes.positions(obj) - expected, axis=1)
     assert apart[:5].min() > 0.05
     assert apart[:5].max() < 0.45
@@ -123,13 +123,13 @@ def test_points_added_under_a_bake_are_said_in_the_panel_too(obj):
     said = "Points were added or removed since the bake: bake again"
     assert reason(obj) == said
     assert scenes.node_warnings(obj) == [said]
-    assert bpy.ops.dapple.rebind() == {"FINISHED"}
+    assert bpy.ops.dapple.reattach() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert len(scenes.positions(obj)) == 63
     assert scenes.node_warnings(obj) == []
 
 
-@pytest.mark.parametrize("name", ["bake", "tile", "rebind", "optimize"])
+@pytest.mark.parametrize("name", ["bake", "make_tiles", "reattach", "optimize"])
 def test_without_any_point_left_nothing_is_placed_until_optimized(obj, name):
     edited(obj, all_deleted)
     assert getattr(bpy.ops.dapple, name)() == {"FINISHED"}

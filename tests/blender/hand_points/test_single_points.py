@@ -120,7 +120,7 @@ def edited(obj, **changes):
     assert obj.mode == "EDIT"
     assert bpy.context.tool_settings.mesh_select_mode[:] == (True, False, False)
     change_points(obj, **changes)
-    assert bpy.ops.dapple.edit_points_done() == {"FINISHED"}
+    assert bpy.ops.dapple.finish_editing_points() == {"FINISHED"}
     assert obj.mode == "OBJECT"
 
 
@@ -142,7 +142,7 @@ def test_points_are_edited_in_edit_mode(obj):
     assert all(before[key] == after[key] for key in before.keys() & after.keys() - {3, 5})
     assert np.linalg.norm(place(obj, 3) - [0, 0, 1]) < 0.01
     assert "dapple_placed" not in obj.data.attributes
-    assert not bpy.ops.dapple.edit_points_done.poll()
+    assert not bpy.ops.dapple.finish_editing_points.poll()
 
 
 def test_what_extruding_and_a_click_make_are_points(obj):
@@ -155,7 +155,7 @@ def test_what_extruding_and_a_click_make_are_points(obj):
     assert bpy.ops.dapple.place_point(location=off_surface((1, 0.1, 0), 1.0)) == {"FINISHED"}
     assert obj.mode == "EDIT"
     assert [vertex.select for vertex in bmesh.from_edit_mesh(obj.data).verts].count(True) == 1
-    assert bpy.ops.dapple.edit_points_done() == {"FINISHED"}
+    assert bpy.ops.dapple.finish_editing_points() == {"FINISHED"}
     assert not obj.data.edges
     clear_cut(obj)
     assert locked(obj) == {600, 601}
@@ -187,7 +187,7 @@ def test_the_way_back_is_open_after_edit_mode_was_left_otherwise(obj):
     assert bpy.ops.dapple.edit_points() == {"FINISHED"}
     change_points(obj, moved=[(3, off_surface((0, 0, 1)))])
     bpy.ops.object.mode_set(mode="OBJECT")
-    assert bpy.ops.dapple.edit_points_done() == {"FINISHED"}
+    assert bpy.ops.dapple.finish_editing_points() == {"FINISHED"}
     assert locked(obj) == {3}
 
 
@@ -196,10 +196,10 @@ def test_what_cannot_be_attached_stays_in_edit_mode(obj):
     change_points(obj, moved=[(3, off_surface((0, 0, 1)))])
     obj.dapple.surface.modifiers.new("Subdivision", "SUBSURF").render_levels = 1
     with pytest.raises(RuntimeError, match="is out of date: attached to"):
-        bpy.ops.dapple.edit_points_done()
+        bpy.ops.dapple.finish_editing_points()
     assert obj.mode == "EDIT"
     obj.dapple.surface.modifiers.clear()
-    assert bpy.ops.dapple.edit_points_done() == {"FINISHED"}
+    assert bpy.ops.dapple.finish_editing_points() == {"FINISHED"}
     assert locked(obj) == {3}
 
 
@@ -221,7 +221,7 @@ def test_on_a_posed_surface_the_points_are_shown_where_it_is():
     np.testing.assert_allclose(meshio.read_points(obj.data), there, atol=1e-4)
     bpy.ops.object.mode_set(mode="EDIT")
     change_points(obj, moved=[(4, there[5] + 0.02)])
-    bpy.ops.dapple.edit_points_done()
+    bpy.ops.dapple.finish_editing_points()
     assert locked(obj) == {4}
     assert np.linalg.norm(scenes.positions(obj)[4] - there[5]) < 0.05
     np.testing.assert_allclose(np.delete(scenes.positions(obj), 4, 0), np.delete(there, 4, 0), 1e-5)
@@ -229,17 +229,17 @@ def test_on_a_posed_surface_the_points_are_shown_where_it_is():
 
 def test_points_at_rest_are_placed_too():
     obj = scenes.scattered(scenes.tail(levels=1, render_levels=2))
-    assert obj.dapple.bound_to == "REST"
+    assert obj.dapple.attached_to == "REST"
     there = scenes.positions(obj)
     edited(obj, moved=[(4, there[5] + 0.02)], removed=[9])
-    assert obj.dapple.bound_to == "REST"
+    assert obj.dapple.attached_to == "REST"
     found = scenes.positions(obj)
     assert np.linalg.norm(found[4] - there[5]) < 0.06
     np.testing.assert_allclose(np.delete(found, 4, 0), np.delete(there, [4, 9], 0), atol=1e-4)
 
 
 def test_placed_points_keep_their_direction_and_follow_the_forward_axis(obj):
-    obj.dapple.turn_randomness = 0.0
+    obj.dapple.random_turn = 0.0
     obj.dapple.forward = "X"
     bpy.ops.dapple.optimize()
     bpy.ops.dapple.add_point(location=off_surface((0, 0.2, 1)))
@@ -249,13 +249,13 @@ def test_placed_points_keep_their_direction_and_follow_the_forward_axis(obj):
 
 def test_exact_counts_of_object_types_follow(obj):
     for _ in range(2):
-        bpy.ops.dapple.edit_classes(action="ADD")
-    obj.dapple.classes[1].use_count, obj.dapple.classes[1].count = True, 50
+        bpy.ops.dapple.edit_object_types(action="ADD")
+    obj.dapple.object_types[1].use_count, obj.dapple.object_types[1].count = True, 50
     bpy.ops.dapple.optimize()
     bpy.ops.dapple.add_point(location=off_surface((0, 0.2, 1)), object_type=1)
-    assert obj.dapple.classes[1].count == 51
+    assert obj.dapple.object_types[1].count == 51
     assert obj.dapple.count == 601
-    assert np.bincount(columns(obj)["dapple_class"]).tolist() == [550, 51]
+    assert np.bincount(columns(obj)["dapple_object_type"]).tolist() == [550, 51]
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert len(scenes.positions(obj)) == 601
     assert obj.dapple.locked_count == 1
@@ -321,11 +321,11 @@ def test_done_is_undone_into_edit_mode_and_redone(obj):
     assert bpy.ops.dapple.edit_points("EXEC_DEFAULT", True) == {"FINISHED"}
     change_points(obj, moved=[(3, off_surface((0, 0, 1)))])
     bpy.ops.ed.undo_push(message="Move")
-    assert bpy.ops.dapple.edit_points_done("EXEC_DEFAULT", True) == {"FINISHED"}
+    assert bpy.ops.dapple.finish_editing_points("EXEC_DEFAULT", True) == {"FINISHED"}
     assert locked(bpy.data.objects[name]) == {3}
     bpy.ops.ed.undo()
     assert bpy.data.objects[name].mode == "EDIT"
-    assert bpy.ops.dapple.edit_points_done.poll()
+    assert bpy.ops.dapple.finish_editing_points.poll()
     bpy.ops.ed.redo()
     assert bpy.data.objects[name].mode == "OBJECT"
     assert locked(bpy.data.objects[name]) == {3}

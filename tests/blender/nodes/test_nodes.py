@@ -28,7 +28,7 @@ def bound_to_every_triangle(surface):
         binding.positions(arrays.vertices), binding, columns, solve.Report(spacing=0.1)
     )
     store.write_scattered(obj, arrays, solved)
-    obj.dapple.turn_randomness = 0.0
+    obj.dapple.random_turn = 0.0
     return obj, corners
 
 
@@ -147,7 +147,7 @@ def test_scale_and_its_randomness():
     obj.dapple.scale = 2.0
     lengths = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
     assert np.allclose(lengths, 2.0, atol=1e-5)
-    obj.dapple.scale_randomness = 0.5
+    obj.dapple.random_scale_down = 0.5
     lengths = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
     assert lengths.min() >= 1.0 - 1e-5
     assert lengths.max() <= 2.0 + 1e-5
@@ -210,7 +210,7 @@ def test_a_bake_with_the_group_of_version_4_is_handed_on_to_the_group_of_this_on
     old = obj.modifiers[0].node_group
     old[nodes.VERSION_KEY] = 4
     old.interface.remove(old.interface.items_tree["Hidden"])  # older versions lack this input
-    bpy.ops.dapple.edit_classes(action="ADD")
+    bpy.ops.dapple.edit_object_types(action="ADD")
     assert obj.modifiers[0].node_group != old
     assert np.allclose(scenes.positions(obj), baked, atol=1e-6)
 
@@ -224,11 +224,11 @@ def rotations_with(obj, **placement):
 def test_things_stand_on_the_surface_or_upright_in_the_world():
     obj, _ = bound_to_every_triangle(scenes.sphere())
     outward = scenes.positions(obj) / np.linalg.norm(scenes.positions(obj), axis=1)[:, None]
-    found = rotations_with(obj, turn_randomness=0.0)
+    found = rotations_with(obj, random_turn=0.0)
     assert np.einsum("nd,nd->n", found[:, :, 2], outward).min() > 0.99
-    found = rotations_with(obj, align=0.0)
+    found = rotations_with(obj, align_to_normal=0.0)
     assert np.allclose(found[:, :, 2], (0.0, 0.0, 1.0), atol=1e-5)
-    found = rotations_with(obj, align=0.5)
+    found = rotations_with(obj, align_to_normal=0.5)
     to_up = np.arccos(np.clip(found[:, 2, 2], -1, 1))
     whole = np.arccos(np.clip(outward[:, 2], -1, 1))
     side = whole < 0.9 * math.pi  # at the lower pole every direction is equally close to up
@@ -251,14 +251,14 @@ def test_a_thing_is_turned_by_the_angle_of_its_key_and_its_own(align):
     binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), carry)
     normals = frames.smooth(vertices, corners)
     expected = frames.frames(binding, vertices, normals).direction(carry + 0.5 * own)
-    found = rotations_with(obj, align=align, turn_randomness=0.5)
+    found = rotations_with(obj, align_to_normal=align, random_turn=0.5)
     assert np.einsum("nd,nd->n", found[:, :, 0], expected).min() > 0.999
 
 
 def test_things_lean_as_far_as_they_may_each_its_own_way():
     obj, _ = bound_to_every_triangle(scenes.sphere())
-    straight = rotations_with(obj, turn_randomness=1.0)
-    leaning = rotations_with(obj, tilt=0.5)
+    straight = rotations_with(obj, random_turn=1.0)
+    leaning = rotations_with(obj, random_tilt=0.5)
     angle = np.arccos(np.clip(np.einsum("nd,nd->n", straight[:, :, 2], leaning[:, :, 2]), -1, 1))
     assert 0.45 < angle.max() <= 0.5 + 1e-4
     assert angle.min() < 0.1
@@ -279,8 +279,8 @@ def test_things_are_smaller_where_the_density_is_less():
 def test_a_tick_of_a_slider_does_not_build_the_relations_of_the_scene():
     """That takes longer the more objects there are; the scene is told of only then."""
     obj = scenes.scattered(scenes.sphere())
-    bpy.ops.dapple.edit_classes(action="ADD")
-    bpy.ops.dapple.edit_classes(action="ADD")
+    bpy.ops.dapple.edit_object_types(action="ADD")
+    bpy.ops.dapple.edit_object_types(action="ADD")
     bpy.context.view_layer.update()
     told = []
 
@@ -289,12 +289,12 @@ def test_a_tick_of_a_slider_does_not_build_the_relations_of_the_scene():
 
     bpy.app.handlers.depsgraph_update_post.append(updated)
     try:
-        obj.dapple.classes[1].scale = 2.0
+        obj.dapple.object_types[1].scale = 2.0
         bpy.context.view_layer.update()
         assert "Object" in told
         assert "Scene" not in told
         told.clear()
-        obj.dapple.classes[1].instance = obj.dapple.surface
+        obj.dapple.object_types[1].instance = obj.dapple.surface
         bpy.context.view_layer.update()
         assert "Scene" in told
     finally:

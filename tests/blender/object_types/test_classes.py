@@ -13,9 +13,9 @@ def with_classes(surface, *kinds, count=90):
     """A scatter with classes of these properties, optimized."""
     obj = scenes.scattered(surface, count=count)
     for values in kinds:
-        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+        assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
         for name, value in values.items():
-            setattr(obj.dapple.classes[-1], name, value)
+            setattr(obj.dapple.object_types[-1], name, value)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return obj
 
@@ -28,7 +28,7 @@ def solid(name, location=(0.0, 0.0, 0.0)):
 
 def classes_of(obj):
     meshio = addon_host.part("blender.base.mesh_arrays")
-    return meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
+    return meshio.read_columns(obj.data, {"dapple_object_type": "INT"})["dapple_object_type"]
 
 
 def shown(obj):
@@ -46,32 +46,32 @@ def counts(*kinds, count=100):
     settings = addon_host.part("core.settings.values")
     classes = tuple(settings.ClassSettings(**kind) for kind in kinds)
     return addon_host.part("core.solve.class_counts").class_counts(
-        settings.Settings(count=count, classes=classes)
+        settings.Settings(count=count, object_types=classes)
     )
 
 
 def test_shares_are_met_by_largest_remainders():
-    assert counts({"share": 1}, {"share": 1}, {"share": 1}) == [34, 33, 33]
-    assert counts({"share": 0.2}, {"share": 0.6}) == [25, 75]
-    assert counts({"count": 40, "share": 0}, {"share": 1}, {"share": 2}) == [40, 20, 40]
+    assert counts({"weight": 1}, {"weight": 1}, {"weight": 1}) == [34, 33, 33]
+    assert counts({"weight": 0.2}, {"weight": 0.6}) == [25, 75]
+    assert counts({"count": 40, "weight": 0}, {"weight": 1}, {"weight": 2}) == [40, 20, 40]
     assert counts({"count": 7}, {"count": 9}) == [7, 9]
-    assert counts({"count": 100}, {"share": 1}) == [100, 0]
-    assert counts({"share": 0.0}, {"share": 1.0}) == [0, 100]
+    assert counts({"count": 100}, {"weight": 1}) == [100, 0]
+    assert counts({"weight": 0.0}, {"weight": 1.0}) == [0, 100]
 
 
 def test_counts_that_cannot_be_are_refused():
     error = addon_host.part("core.base.errors").ScatterError
     with pytest.raises(error, match="add up to 120 points, Count is 100"):
-        counts({"count": 120}, {"share": 1})
+        counts({"count": 120}, {"weight": 1})
     with pytest.raises(error, match="60 points have no object type: all weights are 0"):
-        counts({"count": 40}, {"share": 0})
+        counts({"count": 40}, {"weight": 0})
 
 
 def test_each_class_gets_its_points_and_its_object():
     rock, bush = solid("Rock"), solid("Bush")
     surface = scenes.sphere()
     obj = with_classes(
-        surface, {"instance": rock, "share": 2.0}, {"instance": bush, "share": 1.0}, count=90
+        surface, {"instance": rock, "weight": 2.0}, {"instance": bush, "weight": 1.0}, count=90
     )
     assert np.bincount(classes_of(obj)).tolist() == [60, 30]
     names, places = shown(obj)
@@ -83,7 +83,7 @@ def test_each_class_gets_its_points_and_its_object():
 
 
 def test_each_class_is_even_by_itself_and_together():
-    obj = with_classes(scenes.sphere(), {"share": 1.0}, {"share": 1.0}, count=200)
+    obj = with_classes(scenes.sphere(), {"weight": 1.0}, {"weight": 1.0}, count=200)
     points, kinds = scenes.positions(obj), classes_of(obj)
     for chosen, least in ((kinds == 0, 0.45), (kinds == 1, 0.45), (kinds >= 0, 0.3)):
         some = points[chosen]
@@ -99,14 +99,14 @@ def test_each_class_has_its_own_size():
     )
     sizes = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
     assert sorted(np.unique(sizes.round(4))) == [0.5, 2.0]
-    obj.dapple.classes[1].scale = 3.0
+    obj.dapple.object_types[1].scale = 3.0
     sizes = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
     assert sorted(np.unique(sizes.round(4))) == [2.0, 3.0]
 
 
 def test_a_number_that_only_a_class_in_the_middle_has_is_its_own():
-    things = [{"instance": solid(f"Thing {k}"), "turn_randomness": 0.0} for k in range(3)]
-    things[1]["scale"], things[1]["align"] = 2.0, 0.0
+    things = [{"instance": solid(f"Thing {k}"), "random_turn": 0.0} for k in range(3)]
+    things[1]["scale"], things[1]["align_to_normal"] = 2.0, 0.0
     obj = with_classes(scenes.sphere(), *things, count=60)
     names, _ = shown(obj)
     matrices = scenes.instance_matrices(obj)
@@ -125,7 +125,7 @@ def test_a_collection_gives_each_point_one_of_its_objects():
     for k in range(3):
         tree = solid(f"Tree {k}", location=(5.0, k, 0.0))
         trees.objects.link(tree)
-    obj = with_classes(scenes.sphere(), {"collection": trees}, {"share": 1.0}, count=120)
+    obj = with_classes(scenes.sphere(), {"collection": trees}, {"weight": 1.0}, count=120)
     names, places = shown(obj)
     found = [names.count(f"Tree {k}") for k in range(3)]
     assert sum(found) == 60
@@ -155,7 +155,7 @@ def test_things_with_radii_are_kept_apart_and_the_worst_pair_is_told():
     report = obj.dapple.report
     assert report.worst_overlap == pytest.approx(max(overlap.max(), 0.0), abs=1e-4)
     # almost the largest possible
-    obj.dapple.classes[0].radius = obj.dapple.classes[1].radius = 0.24
+    obj.dapple.object_types[0].radius = obj.dapple.object_types[1].radius = 0.24
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert report.worst_overlap > 0.02
     assert bpy.ops.dapple.select_overlap() == {"FINISHED"}
@@ -182,9 +182,9 @@ def test_the_first_class_takes_over_what_was_placed():
     rock = solid("Rock")
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.instance, obj.dapple.scale = rock, 1.5
-    bpy.ops.dapple.edit_classes(action="ADD")
-    assert obj.dapple.classes[0].instance == rock
-    assert obj.dapple.classes[0].scale == 1.5
+    bpy.ops.dapple.edit_object_types(action="ADD")
+    assert obj.dapple.object_types[0].instance == rock
+    assert obj.dapple.object_types[0].scale == 1.5
     assert set(shown(obj)[0]) == {"Rock"}
 
 
@@ -192,53 +192,53 @@ def test_an_object_type_has_the_name_of_what_it_places_unless_it_was_named():
     obj = scenes.scattered(scenes.sphere())
     rock, tree = (bpy.data.objects.new(name, None) for name in ("Rock", "Tree"))
     for instance in (rock, rock, tree):
-        bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[-1].instance = instance
-    assert [kind.name for kind in obj.dapple.classes] == ["Rock", "Type 2", "Tree"]
-    obj.dapple.classes[0].instance = tree
-    assert obj.dapple.classes[0].name == "Rock"
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[-1].instance = instance
+    assert [kind.name for kind in obj.dapple.object_types] == ["Rock", "Type 2", "Tree"]
+    obj.dapple.object_types[0].instance = tree
+    assert obj.dapple.object_types[0].name == "Rock"
 
 
 def test_the_list_is_edited_and_the_node_group_follows():
     obj = scenes.scattered(scenes.sphere())
     for _ in range(3):
-        bpy.ops.dapple.edit_classes(action="ADD")
-    names = [kind.name for kind in obj.dapple.classes]
+        bpy.ops.dapple.edit_object_types(action="ADD")
+    names = [kind.name for kind in obj.dapple.object_types]
     assert names == ["Type 1", "Type 2", "Type 3"]
-    assert obj.dapple.class_index == 2
-    bpy.ops.dapple.edit_classes(action="UP")
-    assert [kind.name for kind in obj.dapple.classes] == ["Type 1", "Type 3", "Type 2"]
-    bpy.ops.dapple.edit_classes(action="REMOVE")
-    assert [kind.name for kind in obj.dapple.classes] == ["Type 1", "Type 2"]
+    assert obj.dapple.object_type_index == 2
+    bpy.ops.dapple.edit_object_types(action="UP")
+    assert [kind.name for kind in obj.dapple.object_types] == ["Type 1", "Type 3", "Type 2"]
+    bpy.ops.dapple.edit_object_types(action="REMOVE")
+    assert [kind.name for kind in obj.dapple.object_types] == ["Type 1", "Type 2"]
     assert obj.modifiers[0].node_group == addon_host.part("nodes").ensure_group(2)
     assert len(scenes.positions(obj)) == 60
     for _ in range(2):
-        bpy.ops.dapple.edit_classes(action="REMOVE")
+        bpy.ops.dapple.edit_object_types(action="REMOVE")
     assert obj.modifiers[0].node_group == addon_host.part("nodes").ensure_group()
-    bpy.ops.dapple.edit_classes(action="REMOVE")
+    bpy.ops.dapple.edit_object_types(action="REMOVE")
     assert len(scenes.positions(obj)) == 60
 
 
 def test_changed_classes_are_stale():
     stale = addon_host.part("blender.scatter.object").settings_reason
-    obj = with_classes(scenes.sphere(), {"share": 1.0}, {"share": 1.0})
+    obj = with_classes(scenes.sphere(), {"weight": 1.0}, {"weight": 1.0})
     assert stale(obj) == ""
-    obj.dapple.classes[0].share = 2.0
+    obj.dapple.object_types[0].weight = 2.0
     assert stale(obj) == "Settings were changed (Object Types): optimize again"
-    obj.dapple.classes[0].share = 1.0
-    obj.dapple.classes[0].scale = 4.0
+    obj.dapple.object_types[0].weight = 1.0
+    obj.dapple.object_types[0].scale = 4.0
     assert stale(obj) == "", "what is placed does not move the points"
 
 
 def test_a_bake_keeps_classes_even_and_survives_another_class():
     surface = scenes.tail()
-    obj = with_classes(surface, {"share": 2.0}, {"share": 1.0}, count=60)
+    obj = with_classes(surface, {"weight": 2.0}, {"weight": 1.0}, count=60)
     before = classes_of(obj)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert (classes_of(obj) == before).all()
     bpy.context.scene.frame_set(4)
     baked = scenes.positions(obj)
-    bpy.ops.dapple.edit_classes(action="ADD")  # another node group, which takes over the keys
+    bpy.ops.dapple.edit_object_types(action="ADD")  # another node group, which takes over the keys
     assert np.allclose(scenes.positions(obj), baked, atol=1e-6)
 
 
@@ -254,9 +254,9 @@ def variation(surface, points):
 
 def test_frames_solved_together_keep_classes_even():
     surface = scenes.tail()
-    obj = with_classes(surface, {"share": 2.0}, {"share": 1.0}, count=60)
+    obj = with_classes(surface, {"weight": 2.0}, {"weight": 1.0}, count=60)
     before = classes_of(obj)
-    obj.dapple.bake_smoothing = "BOTH_WAYS"
+    obj.dapple.smoothing = "BOTH_WAYS"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert (classes_of(obj) == before).all()
     for frame in (1, 3, 6):
@@ -267,8 +267,8 @@ def test_frames_solved_together_keep_classes_even():
 
 def overlapping(surface, count=60):
     """A scatter whose instances are nearly the largest that do not overlap."""
-    obj = with_classes(surface, {"share": 1.0}, {"share": 1.0}, count=count)
-    for kind in obj.dapple.classes:
+    obj = with_classes(surface, {"weight": 1.0}, {"weight": 1.0}, count=count)
+    for kind in obj.dapple.object_types:
         kind.radius = 0.24
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.report.worst_overlap > 0.0
@@ -279,7 +279,7 @@ def worst_overlap(obj):
     points = scenes.positions(obj)
     distance = np.linalg.norm(points[:, None] - points[None], axis=2)
     np.fill_diagonal(distance, np.inf)
-    return 1.0 - distance.min() / (2.0 * obj.dapple.classes[0].radius)
+    return 1.0 - distance.min() / (2.0 * obj.dapple.object_types[0].radius)
 
 
 def test_the_worst_overlap_of_a_bake_is_that_of_all_frames():
@@ -307,11 +307,11 @@ def test_the_worst_overlap_of_a_bake_is_that_of_all_frames():
     assert np.allclose(bpy.context.scene.cursor.location, pair.mean(axis=0), atol=1e-4)
 
 
-@pytest.mark.parametrize("bind_to", ["FACES", "REST"])
-def test_an_overlap_is_selected_where_it_is_played(bind_to):
+@pytest.mark.parametrize("attach_to", ["FACES", "REST"])
+def test_an_overlap_is_selected_where_it_is_played(attach_to):
     surface = scenes.tail(frames=4)
     obj = overlapping(surface)
-    obj.dapple.bind_to = bind_to
+    obj.dapple.attach_to = attach_to
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     surface.location.x = 7.0
     bpy.context.scene.frame_set(4)
@@ -347,7 +347,7 @@ def test_an_overlap_of_points_that_were_deleted_is_said_or_found_by_their_ids():
 
 def test_counts_of_classes_are_told_for_points_per_area():
     labels = addon_host.part("blender.object_types.classes").count_labels
-    obj = with_classes(scenes.sphere(), {"share": 2.0}, {"share": 1.0}, count=60)
+    obj = with_classes(scenes.sphere(), {"weight": 2.0}, {"weight": 1.0}, count=60)
     obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", 20.0
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     found = np.bincount(classes_of(obj))
@@ -364,7 +364,7 @@ def test_counts_of_classes_are_told_for_points_per_area():
 
 def test_counts_of_classes_are_those_of_the_points_that_are_there():
     labels = addon_host.part("blender.object_types.classes").count_labels
-    obj = with_classes(scenes.sphere(), {"share": 2.0}, {"share": 1.0}, count=60)
+    obj = with_classes(scenes.sphere(), {"weight": 2.0}, {"weight": 1.0}, count=60)
     assert labels(obj) == ["40", "20"]
     edited = bmesh.new()
     edited.from_mesh(obj.data)
@@ -374,9 +374,9 @@ def test_counts_of_classes_are_those_of_the_points_that_are_there():
     edited.to_mesh(obj.data)
     edited.free()
     assert labels(obj) == ["37", "20"]
-    obj.dapple.classes[1].share = 2.0
+    obj.dapple.object_types[1].weight = 2.0
     assert labels(obj) == ["~30", "~30"]
-    assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+    assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
     assert labels(obj) == ["~24", "~24", "~12"]
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert labels(obj) == ["24", "24", "12"]

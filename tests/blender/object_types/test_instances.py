@@ -53,9 +53,9 @@ def half_distances(points):
 
 def test_random_scales_go_down_and_up():
     obj = scenes.scattered(scenes.sphere(), count=300)
-    obj.dapple.scale, obj.dapple.scale_randomness = 2.0, 0.25
+    obj.dapple.scale, obj.dapple.random_scale_down = 2.0, 0.25
     down = shown(obj)[2]
-    obj.dapple.scale_growth = 0.5
+    obj.dapple.random_scale_up = 0.5
     both = shown(obj)[2]
     assert 1.5 - 1e-5 <= both.min() < 1.52
     assert 2.95 < both.max() <= 3.0 + 1e-5
@@ -81,18 +81,18 @@ def test_an_offset_lifts_and_sinks_instances_along_the_normal(scale):
 def test_fitted_instances_are_as_large_as_their_room():
     obj = scenes.scattered(scenes.sphere(), count=200)
     obj.dapple.instance = thing = box("Thing", (3.0, 4.0, 1.0))
-    obj.dapple.fit = 1.0
+    obj.dapple.fit_to_spacing = 1.0
     _, places, scales = shown(obj)
     assert np.allclose(scales[:, 0] * radius_of(thing), half_distances(places), rtol=1e-4)
     obj.dapple.scale = 0.5
     assert np.allclose(shown(obj)[2], 0.5 * scales, rtol=1e-5)
-    obj.dapple.scale, obj.dapple.fit = 1.0, 0.5
+    obj.dapple.scale, obj.dapple.fit_to_spacing = 1.0, 0.5
     assert np.allclose(shown(obj)[2], np.sqrt(scales), rtol=1e-5)
 
 
 def test_the_cone_fits_too():
     obj = scenes.scattered(scenes.sphere(), count=200)
-    obj.dapple.fit = 1.0
+    obj.dapple.fit_to_spacing = 1.0
     _, places, scales = shown(obj)
     radius = 0.3 * obj.dapple.report.spacing
     assert np.allclose(scales[:, 0] * radius, half_distances(places), rtol=1e-4)
@@ -101,7 +101,7 @@ def test_the_cone_fits_too():
 def test_a_fitted_instance_that_is_edited_or_exchanged_is_fitted_anew():
     obj = scenes.scattered(scenes.sphere())
     thing, other = box("Thing", (1.0, 1.0, 1.0)), box("Other", (8.0, 6.0, 2.0))
-    obj.dapple.instance, obj.dapple.fit = thing, 1.0
+    obj.dapple.instance, obj.dapple.fit_to_spacing = thing, 1.0
     before = shown(obj)[2]
     thing.data.transform(np.diag([4.0, 4.0, 1.0, 1.0]).tolist())
     thing.data.update()
@@ -114,7 +114,7 @@ def test_each_object_of_a_collection_is_fitted_by_its_own_bounds():
     things = [box("Flat", (4.0, 4.0, 0.1)), box("Pole", (0.1, 0.1, 5.0)), box("Log", (1, 9, 1))]
     empty = bpy.data.objects.new("Empty", None)
     obj = scenes.scattered(scenes.sphere(), count=200)
-    obj.dapple.collection, obj.dapple.fit = collection_of(*things, empty), 1.0
+    obj.dapple.collection, obj.dapple.fit_to_spacing = collection_of(*things, empty), 1.0
     names, places, scales = shown(obj)
     radii = {"Empty": 1.0, **{thing.name: radius_of(thing) for thing in things}}
     assert set(names) == set(radii)
@@ -129,7 +129,7 @@ def test_a_collection_in_a_collection_is_fitted_as_a_whole():
     outer = bpy.data.collections.new("Outer")
     outer.children.link(collection_of(left, right))
     obj = scenes.scattered(scenes.sphere())
-    obj.dapple.collection, obj.dapple.fit = outer, 1.0
+    obj.dapple.collection, obj.dapple.fit_to_spacing = outer, 1.0
     names, _, scales = shown(obj)
     chosen = np.array(names) == "Right"
     assert chosen.sum() == 60
@@ -141,7 +141,7 @@ def test_each_class_is_fitted_to_the_room_among_its_like():
     big, small = box("Big", (6.0, 8.0, 1.0)), box("Small", (1.0, 1.0, 1.0))
     obj = with_classes(
         scenes.sphere(),
-        {"instance": big, "use_count": True, "count": 20, "fit": 1.0},
+        {"instance": big, "use_count": True, "count": 20, "fit_to_spacing": 1.0},
         {"instance": small},
         count=200,
     )
@@ -150,7 +150,7 @@ def test_each_class_is_fitted_to_the_room_among_its_like():
     assert is_big.sum() == 20
     assert np.allclose(scales[is_big, 0] * 5.0, half_distances(places[is_big]), rtol=1e-4)
     assert np.allclose(scales[~is_big], 1.0, atol=1e-5)
-    obj.dapple.classes[0].fit, obj.dapple.classes[1].fit = 0.0, 1.0
+    obj.dapple.object_types[0].fit_to_spacing, obj.dapple.object_types[1].fit_to_spacing = 0.0, 1.0
     _, places, scales = shown(obj)
     room = half_distances(places[~is_big])
     assert np.allclose(scales[~is_big, 0] * np.sqrt(0.5), room, rtol=1e-4)
@@ -159,7 +159,10 @@ def test_each_class_is_fitted_to_the_room_among_its_like():
 
 def test_a_radius_limits_the_room():
     thing = box("Thing", (1.0, 1.0, 1.0))
-    kinds = [{"instance": thing, "radius": 0.05, "fit": 1.0}, {"instance": thing, "share": 9.0}]
+    kinds = [
+        {"instance": thing, "radius": 0.05, "fit_to_spacing": 1.0},
+        {"instance": thing, "weight": 9.0},
+    ]
     obj = with_classes(scenes.sphere(), *kinds, count=200)
     scales = shown(obj)[2][: (classes_of(obj) == 0).sum()]
     assert np.allclose(scales[:, 0] * np.sqrt(0.5), 0.05, rtol=1e-4)
@@ -167,7 +170,7 @@ def test_a_radius_limits_the_room():
 
 def following(obj):
     """The first class, whose radius is that of its instances from now on."""
-    kind = obj.dapple.classes[0]
+    kind = obj.dapple.object_types[0]
     kind.radius_from_bounds = True
     return kind
 
@@ -177,11 +180,11 @@ def test_a_radius_follows_the_bounds_and_the_scale_of_its_instance():
     obj = with_classes(scenes.sphere(), {"instance": thing}, {"instance": other}, count=40)
     kind = following(obj)
     assert kind.radius == pytest.approx(0.5)
-    assert obj.dapple.classes[1].radius == 0.0
+    assert obj.dapple.object_types[1].radius == 0.0
     kind.instance = other
     assert kind.radius == pytest.approx(0.25)
     kind.scale, kind.scale_x, kind.scale_y = 2.0, 0.5, 0.25
-    kind.scale_growth, kind.scale_randomness, kind.density_scale = 0.5, 0.5, -0.5
+    kind.random_scale_up, kind.random_scale_down, kind.density_scale = 0.5, 0.5, -0.5
     assert kind.radius == pytest.approx(0.25 * 2.0 * 0.5 * 1.5 * 1.5)
     kind.radius = 7.0
     assert kind.radius == pytest.approx(0.25 * 2.0 * 0.5 * 1.5 * 1.5)
@@ -219,7 +222,7 @@ def test_a_radius_from_a_collection_is_that_of_its_largest_object():
 
 def test_instances_with_the_radius_of_their_bounds_are_only_made_smaller():
     thing = box("Thing", (0.12, 0.16, 0.1))
-    kinds = [{"instance": thing, "fit": 1.0, "scale": 2.0}, {"share": 20.0}]
+    kinds = [{"instance": thing, "fit_to_spacing": 1.0, "scale": 2.0}, {"weight": 20.0}]
     obj = with_classes(scenes.sphere(), *kinds, count=210)
     kind = following(obj)
     assert kind.radius == pytest.approx(0.2)
@@ -231,12 +234,12 @@ def test_instances_with_the_radius_of_their_bounds_are_only_made_smaller():
 def test_instances_that_are_too_large_for_the_surface_become_as_large_as_fits():
     houses, trees = box("House", (3.0, 4.0, 1.0)), box("Tree", (1.0, 1.0, 2.0))
     obj = with_classes(scenes.sphere(), {"instance": houses}, {"instance": trees}, count=60)
-    for kind in obj.dapple.classes:
+    for kind in obj.dapple.object_types:
         kind.radius_from_bounds = True
     with pytest.raises(RuntimeError, match="radii need discs"):
         bpy.ops.dapple.optimize()
-    for kind in obj.dapple.classes:
-        kind.fit = 1.0
+    for kind in obj.dapple.object_types:
+        kind.fit_to_spacing = 1.0
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert addon_host.part("blender.scatter.object").settings_reason(obj) == ""
     names, places, scales = shown(obj)
@@ -319,7 +322,7 @@ def test_weights_say_how_often_objects_are_picked():
 def test_weights_and_fit_work_together():
     things = [box("A", (0.5, 0.5, 1.0)), box("B", (3.0, 4.0, 1.0))]
     obj = scenes.scattered(scenes.sphere(), count=100)
-    obj.dapple.collection, obj.dapple.fit = collection_of(*things), 1.0
+    obj.dapple.collection, obj.dapple.fit_to_spacing = collection_of(*things), 1.0
     obj.dapple.use_weights, obj.dapple.weights[1].weight = True, 4.0
     names, places, scales = shown(obj)
     own = np.array([{"A": np.sqrt(0.125), "B": 2.5}[name] for name in names])
@@ -355,8 +358,8 @@ def test_each_class_has_its_weights_and_the_first_takes_over_those_of_the_scatte
     obj.dapple.collection, obj.dapple.use_weights = collection_of(*things), True
     obj.dapple.weights[0].weight = 0.0
     for _ in range(2):
-        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
-    first, second = obj.dapple.classes
+        assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
+    first, second = obj.dapple.object_types
     assert [one.weight for one in first.weights] == [0.0, 1.0]
     second.collection, second.use_weights = first.collection, True
     second.weights[1].weight = 0.0

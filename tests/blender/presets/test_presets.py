@@ -26,27 +26,27 @@ def folder():
 
 def test_settings_come_back_on_another_scatter(folder):
     obj = scenes.scattered(scenes.sphere(), count=40)
-    obj.dapple.capacity_weight, obj.dapple.tilt = 7.0, 0.25
+    obj.dapple.capacity_weight, obj.dapple.random_tilt = 7.0, 0.25
     obj.dapple.density.use_height, obj.dapple.tiles.grout = True, 0.3
     assert bpy.ops.dapple.save_preset(name="Scales (wide)") == {"FINISHED"}
     other = scenes.scattered(scenes.sphere(), count=30)
     assert bpy.ops.dapple.load_preset(name="Scales (wide)") == {"FINISHED"}
     assert other.dapple.capacity_weight == 7.0
-    assert other.dapple.tilt == 0.25
+    assert other.dapple.random_tilt == 0.25
     assert other.dapple.density.use_height
     assert other.dapple.tiles.grout == pytest.approx(0.3)
     assert other.dapple.count == 40
     stored = json.loads((folder / "Scales (wide).json").read_text())
-    assert stored["settings"][""]["tilt"] == 0.25
+    assert stored["settings"][""]["random_tilt"] == 0.25
     assert bpy.ops.dapple.remove_preset(name="Scales (wide)") == {"FINISHED"}
     assert not list(folder.iterdir())
 
 
 def with_types(obj, *types):
     for values in types:
-        bpy.ops.dapple.edit_classes(action="ADD")
+        bpy.ops.dapple.edit_object_types(action="ADD")
         for name, value in values.items():
-            setattr(obj.dapple.classes[-1], name, value)
+            setattr(obj.dapple.object_types[-1], name, value)
     return obj
 
 
@@ -58,7 +58,7 @@ def thing(name):
 
 TYPES = (
     {"name": "Rocks", "use_count": True, "count": 5, "radius": 0.25, "scale": 2.0},
-    {"name": "Grass", "share": 3.0, "tilt": 0.125, "offset": -0.5, "density_scale": 0.75},
+    {"name": "Grass", "weight": 3.0, "random_tilt": 0.125, "offset": -0.5, "density_scale": 0.75},
 )
 
 
@@ -67,11 +67,11 @@ def test_object_types_come_back_on_another_scatter(folder):
     bpy.ops.dapple.save_preset(name="Meadow")
     other = scenes.scattered(scenes.sphere(), count=30)
     bpy.ops.dapple.load_preset(name="Meadow")
-    assert [kind.name for kind in other.dapple.classes] == ["Rocks", "Grass"]
-    for kind, values in zip(other.dapple.classes, TYPES, strict=True):
+    assert [kind.name for kind in other.dapple.object_types] == ["Rocks", "Grass"]
+    for kind, values in zip(other.dapple.object_types, TYPES, strict=True):
         assert {name: getattr(kind, name) for name in values} == values
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
-    kinds = [one.value for one in other.data.attributes["dapple_class"].data]
+    kinds = [one.value for one in other.data.attributes["dapple_object_type"].data]
     assert np.bincount(kinds).tolist() == [5, 35]
     assert len(scenes.instance_matrices(other)) == 40
 
@@ -83,11 +83,11 @@ def test_object_types_keep_the_objects_that_they_have_here(folder):
     own = ({"name": "Grass", "instance": grass}, {"name": "Boulders", "instance": stone})
     other = with_types(scenes.scattered(scenes.sphere(), count=30), *own)
     bpy.ops.dapple.load_preset(name="Meadow")
-    found = {kind.name: kind.instance for kind in other.dapple.classes}
+    found = {kind.name: kind.instance for kind in other.dapple.object_types}
     assert found == {"Rocks": stone, "Grass": grass, "Moss": None}
-    other.dapple.classes[2].instance = left
+    other.dapple.object_types[2].instance = left
     bpy.ops.dapple.load_preset(name="Meadow")
-    assert [kind.instance for kind in other.dapple.classes] == [stone, grass, left]
+    assert [kind.instance for kind in other.dapple.object_types] == [stone, grass, left]
 
 
 def test_a_preset_without_object_types_leaves_those_that_are_there(folder):
@@ -95,7 +95,7 @@ def test_a_preset_without_object_types_leaves_those_that_are_there(folder):
     bpy.ops.dapple.save_preset(name="Plain")
     other = with_types(scenes.scattered(scenes.sphere(), count=30), *TYPES)
     bpy.ops.dapple.load_preset(name="Plain")
-    assert [kind.name for kind in other.dapple.classes] == ["Rocks", "Grass"]
+    assert [kind.name for kind in other.dapple.object_types] == ["Rocks", "Grass"]
 
 
 def test_a_radius_from_a_preset_is_no_longer_that_of_the_bounds(folder):
@@ -104,32 +104,32 @@ def test_a_radius_from_a_preset_is_no_longer_that_of_the_bounds(folder):
     rock = thing("Rock")
     other = scenes.scattered(scenes.sphere(), count=30)
     with_types(other, {"name": "Rocks", "instance": rock, "radius_from_bounds": True})
-    assert other.dapple.classes[0].radius == pytest.approx(0.15 * np.sqrt(2))
+    assert other.dapple.object_types[0].radius == pytest.approx(0.15 * np.sqrt(2))
     bpy.ops.dapple.load_preset(name="Meadow")
-    assert other.dapple.classes[0].radius == 0.25
+    assert other.dapple.object_types[0].radius == 0.25
 
 
 def test_new_scatters_begin_with_the_object_types_of_the_default(folder):
-    bounds = {"name": "Trees", "radius_from_bounds": True, "fit": 1.0, "share": 1.0}
+    bounds = {"name": "Trees", "radius_from_bounds": True, "fit_to_spacing": 1.0, "weight": 1.0}
     with_types(scenes.scattered(scenes.sphere(), count=40), *TYPES, bounds)
     bpy.ops.dapple.save_preset(name="Default")
     scenes.sphere()
-    assert bpy.ops.dapple.add() == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter() == {"FINISHED"}
     new = bpy.context.object
-    assert [kind.name for kind in new.dapple.classes] == ["Rocks", "Grass", "Trees"]
-    kinds = [one.value for one in new.data.attributes["dapple_class"].data]
+    assert [kind.name for kind in new.dapple.object_types] == ["Rocks", "Grass", "Trees"]
+    kinds = [one.value for one in new.data.attributes["dapple_object_type"].data]
     assert np.bincount(kinds).tolist() == [5, 26, 9]
     assert addon_host.part("blender.scatter.object").settings_reason(new) == ""
 
 
 def test_a_default_whose_object_type_does_not_fit_is_told(folder, capfd):
     obj = with_types(scenes.scattered(scenes.sphere(), count=40), *TYPES)
-    obj.dapple.classes[1].density = "Clearing"
+    obj.dapple.object_types[1].density = "Clearing"
     bpy.ops.dapple.save_preset(name="Default")
     scenes.sphere()
-    assert bpy.ops.dapple.add() == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter() == {"FINISHED"}
     assert "no attribute or vertex group 'Clearing'" in capfd.readouterr().out
-    kinds = bpy.context.object.dapple.classes
+    kinds = bpy.context.object.dapple.object_types
     assert [(kind.name, kind.density) for kind in kinds] == [("Rocks", ""), ("Grass", "")]
 
 
@@ -137,30 +137,30 @@ def test_a_preset_with_a_broken_object_type_is_told_and_changes_nothing(folder):
     obj = with_types(scenes.scattered(scenes.sphere(), count=40), *TYPES)
     bpy.ops.dapple.save_preset(name="Meadow")
     path = folder / "Meadow.json"
-    path.write_text(path.read_text().replace('"tilt": 0.125', '"tilt": "steep"'))
-    obj.dapple.classes[0].scale, obj.dapple.seed = 4.0, 9
-    with pytest.raises(RuntimeError, match="'Grass' cannot have tilt 'steep'"):
+    path.write_text(path.read_text().replace('"random_tilt": 0.125', '"random_tilt": "steep"'))
+    obj.dapple.object_types[0].scale, obj.dapple.seed = 4.0, 9
+    with pytest.raises(RuntimeError, match="'Grass' cannot have random_tilt 'steep'"):
         bpy.ops.dapple.load_preset(name="Meadow")
-    assert (obj.dapple.classes[0].scale, obj.dapple.seed) == (4.0, 9)
-    path.write_text(json.dumps({"schema": 1, "settings": {"classes": {"name": "Rocks"}}}))
+    assert (obj.dapple.object_types[0].scale, obj.dapple.seed) == (4.0, 9)
+    path.write_text(json.dumps({"schema": 1, "settings": {"object_types": {"name": "Rocks"}}}))
     with pytest.raises(RuntimeError, match="cannot be read"):
         bpy.ops.dapple.load_preset(name="Meadow")
 
 
 def test_new_scatters_begin_with_the_default(folder):
     obj = scenes.scattered(scenes.sphere(), count=40)
-    obj.dapple.density.use_height, obj.dapple.density.height_from = True, 0.0
-    obj.dapple.density.height_to, obj.dapple.density.height_fade = 5.0, 0.0
+    obj.dapple.density.use_height, obj.dapple.density.height_min = True, 0.0
+    obj.dapple.density.height_max, obj.dapple.density.height_falloff = 5.0, 0.0
     obj.dapple.seed = 11
     bpy.ops.dapple.save_preset(name="Default")
     surface = scenes.sphere()
-    assert bpy.ops.dapple.add() == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter() == {"FINISHED"}
     new = bpy.context.object
     assert (new.dapple.count, new.dapple.seed) == (40, 11)
     assert scenes.positions(new)[:, 2].min() > -0.1
     assert addon_host.part("blender.scatter.object").settings_reason(new) == ""
     bpy.context.view_layer.objects.active = surface
-    bpy.ops.dapple.add(count=25)
+    bpy.ops.dapple.add_scatter(count=25)
     assert len(scenes.positions(bpy.context.object)) == 25
 
 
@@ -169,10 +169,10 @@ def test_a_default_per_area_gives_way_to_a_count(folder):
     obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", 2.0
     bpy.ops.dapple.save_preset(name="Default")
     surface = scenes.sphere()
-    bpy.ops.dapple.add()
+    bpy.ops.dapple.add_scatter()
     assert len(scenes.positions(bpy.context.object)) == pytest.approx(8 * np.pi, abs=1.5)
     bpy.context.view_layer.objects.active = surface
-    bpy.ops.dapple.add(count=25)
+    bpy.ops.dapple.add_scatter(count=25)
     assert len(scenes.positions(bpy.context.object)) == 25
 
 
@@ -182,7 +182,10 @@ def test_a_default_per_area_gives_way_to_a_count(folder):
         ("{", "cannot be read"),
         ('{"settings": []}', "cannot be read"),
         ('{"schema": 99, "settings": {}}', "schema 99 is not known"),
-        ('{"schema": 1, "settings": {"": {"count": 7, "tilt": "steep"}}}', "does not fit.*tilt"),
+        (
+            '{"schema": 1, "settings": {"": {"count": 7, "random_tilt": "steep"}}}',
+            "does not fit.*tilt",
+        ),
     ],
 )
 def test_a_broken_preset_is_told_and_changes_nothing(folder, text, said):
@@ -234,15 +237,15 @@ def of(density=None, **own):
         (of({"attribute": "Grass", "curvature": 0.5}), "no attribute or vertex group 'Grass'"),
         (of({"use_camera": True, "curvature": 0.5}), "has no camera"),
         (of({"uv_map": "Painted", "curvature": 0.5}), "no UV map 'Painted'"),
-        (of({"curvature": 0.5}, tilt="steep"), r"tilt \('steep'\)"),
+        (of({"curvature": 0.5}, random_tilt="steep"), r"random_tilt \('steep'\)"),
         (of({"curvature": 0.5}, seed=-3), r"seed \(-3\)"),
-        (of({"curvature": 0.5}, align="UPRIGHT"), "align"),
+        (of({"curvature": 0.5}, align_to_normal="UPRIGHT"), "align_to_normal"),
     ],
 )
 def test_a_default_that_does_not_fit_is_left_out_and_told(folder, text, said, capfd):
     default(folder, text)
     scenes.sphere()
-    assert bpy.ops.dapple.add() == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter() == {"FINISHED"}
     new = bpy.context.object
     assert len(scenes.positions(new)) == 40, "what fits is taken"
     assert new.dapple.density.curvature == 0.5
@@ -254,7 +257,7 @@ def test_a_default_that_does_not_fit_is_left_out_and_told(folder, text, said, ca
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (of({"use_height": True, "height_from": 50.0, "height_to": 60.0}), "density"),
+        (of({"use_height": True, "height_min": 50.0, "height_max": 60.0}), "density"),
         (of(amount="PER_AREA", points_per_area=1e12), "all settings"),
         ("{", "cannot be read"),
         ('{"schema": 99, "settings": {}}', "schema 99 is not known"),
@@ -263,18 +266,18 @@ def test_a_default_that_does_not_fit_is_left_out_and_told(folder, text, said, ca
 def test_a_default_that_leaves_no_point_does_not_block_add(folder, text, said, capfd):
     default(folder, text)
     scenes.sphere()
-    assert bpy.ops.dapple.add() == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter() == {"FINISHED"}
     assert len(scenes.positions(bpy.context.object)) in (40, 1000)
     told = capfd.readouterr().out
     assert re.search(f"Warning: Preset 'Default'.*{said}", told)
 
 
 def test_a_default_with_a_binding_that_cannot_be_gives_way(folder, capfd):
-    default(folder, of(bind_to="FACES"))
+    default(folder, of(attach_to="FACES"))
     scenes.tail(levels=1, render_levels=2)
-    assert bpy.ops.dapple.add() == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter() == {"FINISHED"}
     new = bpy.context.object
-    assert (new.dapple.bind_to, new.dapple.bound_to, new.dapple.count) == ("AUTO", "REST", 40)
+    assert (new.dapple.attach_to, new.dapple.attached_to, new.dapple.count) == ("AUTO", "REST", 40)
     assert "skipped: attachment (" in capfd.readouterr().out
 
 
@@ -283,7 +286,7 @@ def test_what_is_chosen_by_hand_is_refused_with_its_own_reason(folder):
     scenes.tail(levels=1, render_levels=2)
     before = scenes.snapshot()
     with pytest.raises(RuntimeError, match="410 vertices in the viewport and 1634"):
-        bpy.ops.dapple.add(bind_to="FACES")
+        bpy.ops.dapple.add_scatter(attach_to="FACES")
     assert scenes.snapshot() == before
 
 

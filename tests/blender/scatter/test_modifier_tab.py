@@ -29,10 +29,10 @@ def obj():
 def test_a_number_is_taken_over_and_not_overwritten(obj):
     edit(obj, "Scale", 0.25)
     assert obj.dapple.scale == pytest.approx(0.25)
-    obj.dapple.tilt = 0.5
+    obj.dapple.random_tilt = 0.5
     bpy.context.view_layer.update()
     assert shown(obj, "Scale") == pytest.approx(0.25)
-    assert shown(obj, "Tilt") == pytest.approx(0.5)
+    assert shown(obj, "Random Tilt") == pytest.approx(0.5)
     bpy.ops.dapple.optimize()
     assert shown(obj, "Scale") == pytest.approx(0.25)
 
@@ -55,9 +55,9 @@ def test_so_is_what_the_viewport_shows(obj):
 
 def test_of_several_types_each_has_its_own(obj):
     for _ in range(2):
-        bpy.ops.dapple.edit_classes(action="ADD")
+        bpy.ops.dapple.edit_object_types(action="ADD")
     edit(obj, "Scale 2", 3.0)
-    assert [kind.scale for kind in obj.dapple.classes] == pytest.approx([1.0, 3.0])
+    assert [kind.scale for kind in obj.dapple.object_types] == pytest.approx([1.0, 3.0])
 
 
 def test_the_panel_goes_before_what_was_not_edited(obj):
@@ -69,5 +69,5 @@ def test_the_panel_goes_before_what_was_not_edited(obj):
     obj.update_tag()
     bpy.context.view_layer.update()
     assert obj.dapple.scale == pytest.approx(2.0)
-    obj.dapple.tilt = 0.1
+    obj.dapple.random_tilt = 0.1
     assert shown(obj, "Scale") == pytest.approx(2.0)

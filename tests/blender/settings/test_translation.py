@@ -127,7 +127,7 @@ def test_what_is_shown_is_found():
 def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
     obj = scenes.scattered(scenes.tail(frames=3), count=30)
     if baked:
-        obj.dapple.key_every = 2
+        obj.dapple.keyframe_step = 2
         bpy.ops.dapple.bake()
         obj.dapple.locked_count, obj.dapple.report.converged = 2, False
     obj.dapple.seed, obj.dapple.report.worst_overlap = 7, 0.2
@@ -149,10 +149,10 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
 # Texts shown with another text or in a field, or verified to fit.
 ELSEWHERE = {
     "auto_update_choice",
-    "obstacles",
+    "avoid_collection",
     "preview_budget",
-    "scale_growth",
-    "scale_randomness",
+    "random_scale_up",
+    "random_scale_down",
 }
 
 

@@ -52,11 +52,11 @@ def test_at_least_one_point_and_not_too_many():
 def test_classes_share_the_points_per_area():
     obj = scenes.scattered(plane(2.0), count=10)
     for share in (3.0, 1.0):
-        bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[-1].share = share
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[-1].weight = share
     assert per_area(obj, 25.0) == 100
     meshio = addon_host.part("blender.base.mesh_arrays")
-    kinds = meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
+    kinds = meshio.read_columns(obj.data, {"dapple_object_type": "INT"})["dapple_object_type"]
     assert np.bincount(kinds).tolist() == [75, 25]
 
 

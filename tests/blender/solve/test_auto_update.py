@@ -145,7 +145,7 @@ def test_what_is_avoided_and_the_camera_are_followed(live, obj):
     bpy.context.scene.collection.children.link(stones)
     stone = scenes.sphere(location=(0.0, 0.0, 1.0))
     stones.objects.link(stone)
-    obj.dapple.density.obstacles = stones
+    obj.dapple.density.avoid_collection = stones
     followed(live, obj)
     stone.location.y = 0.5
     followed(live, obj)
@@ -347,11 +347,11 @@ def test_a_render_and_an_operator_take_its_place_and_it_goes_on_afterward(
 @pytest.mark.parametrize("action", ["ADD", "REMOVE", "DOWN"])
 def test_the_list_of_object_types_is_followed(live, obj, action):
     for _ in range(2):
-        bpy.ops.dapple.edit_classes(action="ADD")
-    obj.dapple.classes[0].share, obj.dapple.class_index = 3.0, 0
+        bpy.ops.dapple.edit_object_types(action="ADD")
+    obj.dapple.object_types[0].weight, obj.dapple.object_type_index = 3.0, 0
     live.settle()
     assert reason(obj) == ""
-    bpy.ops.dapple.edit_classes(action=action)
+    bpy.ops.dapple.edit_object_types(action=action)
     assert reason(obj)
     assert live.settle() == 1
     assert reason(obj) == ""
@@ -373,8 +373,8 @@ def test_scatters_that_avoid_each_other_come_to_rest(live):
         collection = bpy.data.collections.new(f"Around {one.name}")
         collection.objects.link(other)
         bpy.context.scene.collection.children.link(collection)
-        one.dapple.density.obstacles = collection
-        one.dapple.density.obstacle_margin = 0.05
+        one.dapple.density.avoid_collection = collection
+        one.dapple.density.avoid_margin = 0.05
         one.dapple.auto_update_choice = "ON"
     assert 2 <= live.settle() <= 4
     both[0].dapple.seed = 5
@@ -398,7 +398,7 @@ def test_unlocking_is_followed_where_more_points_were_locked_than_there_shall_be
 ):
     live.settle()
     scenes.activate(obj)
-    assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
+    assert bpy.ops.dapple.lock_points(every=True) == {"FINISHED"}
     assert live.settle() == 0
     obj.dapple.count = 40
     assert live.settle() == 0
@@ -409,7 +409,7 @@ def test_unlocking_is_followed_where_more_points_were_locked_than_there_shall_be
         bpy.ops.wm.open_mainfile(filepath=path)
         obj = bpy.data.objects["Sphere Scatter"]
         scenes.activate(obj)
-    assert bpy.ops.dapple.lock(lock=False, every=True) == {"FINISHED"}
+    assert bpy.ops.dapple.lock_points(lock=False, every=True) == {"FINISHED"}
     followed(live, obj)
     assert not live.watcher.trouble(obj)
     assert len(obj.data.vertices) == 40

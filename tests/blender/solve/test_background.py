@@ -40,11 +40,11 @@ def test_it_looks_again_whether_renders_have_other_faces(live):
     surface = scenes.tail()
     obj = scenes.scattered(surface)
     obj.dapple.auto_update_choice = "OFF"
-    assert obj.dapple.bound_to == "FACES"
+    assert obj.dapple.attached_to == "FACES"
     surface.modifiers["Subdivision"].render_levels = 2
     live.watcher.ask(obj)
     assert live.settle() == 1
-    assert obj.dapple.bound_to == "REST"
+    assert obj.dapple.attached_to == "REST"
 
 
 def test_it_does_not_wait_for_a_pause_and_the_old_points_stay(live, obj):
@@ -137,7 +137,7 @@ def test_points_that_are_locked_meanwhile_stay(live, obj):
     live.watcher.ask(obj)
     assert live.begin()
     scenes.activate(obj)
-    assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
+    assert bpy.ops.dapple.lock_points(every=True) == {"FINISHED"}
     assert live.settle() == 1
     assert obj.dapple.locked_count == 60
     assert np.allclose(scenes.positions(obj)[:60], before, atol=1e-6)

@@ -9,9 +9,9 @@ import pytest
 import scenes
 
 
-def pointed(surface, forward, bind_to="FACES"):
+def pointed(surface, forward, attach_to="FACES"):
     obj = scenes.scattered(surface, count=80)
-    obj.dapple.forward, obj.dapple.turn_randomness, obj.dapple.bind_to = forward, 0.0, bind_to
+    obj.dapple.forward, obj.dapple.random_turn, obj.dapple.attach_to = forward, 0.0, attach_to
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return obj
 

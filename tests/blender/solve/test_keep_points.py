@@ -78,7 +78,7 @@ def test_a_stroke_leaves_what_is_far_from_it(live, obj, weight):
 def test_an_obstacle_that_is_added_and_moved_leaves_what_is_far_from_it(live, obj):
     stones = bpy.data.collections.new("Stones")
     bpy.context.scene.collection.children.link(stones)
-    obj.dapple.density.obstacles = stones
+    obj.dapple.density.avoid_collection = stones
     stone = scenes.sphere(location=(1.0, 0.0, 0.0), scale=(0.3, 0.3, 0.3))
     live.settle()
     for shift in (0.0, 0.1):
@@ -159,8 +159,8 @@ def test_what_cannot_be_kept_is_solved_anew(live, obj, change):
     surface, obj.dapple.max_evaluations = obj.dapple.surface, 20
     assert live.settle() == 1
     if change == "classes":
-        bpy.ops.dapple.edit_classes(action="ADD")
-        obj.dapple.classes[0].radius = 0.01
+        bpy.ops.dapple.edit_object_types(action="ADD")
+        obj.dapple.object_types[0].radius = 0.01
     elif change == "faces":
         surface.modifiers.new("Triangulate", "TRIANGULATE")
         surface.modifiers.new("Subdivision", "SUBSURF")
@@ -175,7 +175,7 @@ def test_what_cannot_be_kept_is_solved_anew(live, obj, change):
 
 def test_locked_points_stay(live, obj):
     obj.data.vertices.foreach_set("select", np.arange(len(obj.data.vertices)) % 5 == 0)
-    assert bpy.ops.dapple.lock() == {"FINISHED"}
+    assert bpy.ops.dapple.lock_points() == {"FINISHED"}
     before = stored(obj)
     locked = [key for key, row in zip(before, range(len(before)), strict=True) if row % 5 == 0]
     stroke(obj.dapple.surface, (0.0, 0.0, 1.0), 0.4, 0.4)
@@ -209,8 +209,8 @@ def mixed(live, obj):
     """Few large discs, more of smaller ones, and points."""
     obj.dapple.amount, obj.dapple.count = "COUNT", 900
     for count, radius in ((25, 0.12), (120, 0.04), (0, 0.0)):
-        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
-        kind = obj.dapple.classes[-1]
+        assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
+        kind = obj.dapple.object_types[-1]
         kind.use_count, kind.count, kind.radius = count > 0, max(count, 1), radius
     live.settle()
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
@@ -219,7 +219,7 @@ def mixed(live, obj):
 
 
 def kinds_of(obj):
-    return addon_host.part("blender.scatter.points").point_columns_of(obj)["dapple_class"]
+    return addon_host.part("blender.scatter.points").point_columns_of(obj)["dapple_object_type"]
 
 
 def test_object_types_keep_their_counts_and_ids_after_a_stroke(live, mixed):
@@ -235,8 +235,8 @@ def test_object_types_keep_their_counts_and_ids_after_a_stroke(live, mixed):
 
 
 def test_object_types_by_area_leave_what_is_far_from_a_stroke(live, mixed):
-    for kind, share in zip(mixed.dapple.classes, (0.03, 0.15, 0.82), strict=True):
-        kind.use_count, kind.share = False, share
+    for kind, share in zip(mixed.dapple.object_types, (0.03, 0.15, 0.82), strict=True):
+        kind.use_count, kind.weight = False, share
     mixed.dapple.amount, mixed.dapple.points_per_area = "PER_AREA", 60.0
     live.settle()
     middle, before = np.array([0.0, 0.0, 1.0]), stored(mixed)
@@ -253,7 +253,7 @@ def test_object_types_by_area_leave_what_is_far_from_a_stroke(live, mixed):
 def test_an_object_type_follows_the_stroke_on_its_own_density(live, mixed):
     own = mixed.dapple.surface.vertex_groups.new(name="Rocks")
     own.add(range(len(mixed.dapple.surface.data.vertices)), 1.0, "REPLACE")
-    mixed.dapple.classes[0].density = "Rocks"
+    mixed.dapple.object_types[0].density = "Rocks"
     live.settle()
     before = stored(mixed)
     away = scenes.world_vertices(mixed.dapple.surface)[:, 2] > 0.0

@@ -31,7 +31,7 @@ def double_turned(mesh):
 def scattered(obj, count):
     bpy.context.view_layer.objects.active = obj
     obj.select_set(True)
-    bpy.ops.dapple.add(count=count)
+    bpy.ops.dapple.add_scatter(count=count)
     return bpy.context.object
 
 

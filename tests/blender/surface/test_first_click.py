@@ -79,7 +79,7 @@ def stale(obj):
 
 def test_blenders_own_subdivision_with_armature_and_shape_keys_needs_no_setting(tracked):
     surface = body()
-    assert bpy.ops.dapple.add(count=200) == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=200) == {"FINISHED"}
     obj = bpy.context.object
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
@@ -120,13 +120,13 @@ def test_things_are_turned_as_they_are_on_faces():
     surface.modifiers["Subdivision"].render_levels = 1
     on_faces = scenes.scattered(surface)
     surface.modifiers["Subdivision"].render_levels = 2
-    on_faces.dapple.bind_to = "FACES"
+    on_faces.dapple.attach_to = "FACES"
     kinds = []
     for obj in (on_faces, at_rest):
         scenes.activate(obj)
         surface.modifiers["Subdivision"].render_levels = 1 if obj == on_faces else 2
         assert bpy.ops.dapple.bake() == {"FINISHED"}
-        kinds.append(obj.dapple.bound_to)
+        kinds.append(obj.dapple.attached_to)
     assert kinds == ["FACES", "REST"]
     for frame, part in ((1, 0.0), (2, 0.0), (2, 0.5), (4, 0.0)):
         bpy.context.scene.frame_set(frame, subframe=part)
@@ -138,8 +138,8 @@ def test_things_are_turned_as_they_are_on_faces():
 def test_the_viewport_looks_at_faces_and_not_at_the_rest_shape():
     surface = body()
     obj = scenes.scattered(surface)
-    for bind_to, faces in (("AUTO", True), ("REST", False)):
-        obj.dapple.bind_to = bind_to
+    for attach_to, faces in (("AUTO", True), ("REST", False)):
+        obj.dapple.attach_to = attach_to
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         bpy.context.scene.frame_set(3)
         before = scenes.positions(obj)
@@ -178,7 +178,7 @@ def test_a_mirrored_body_needs_no_setting_either(tracked):
     surface = body(modifier=mirrored)
     obj = scenes.scattered(surface, count=200)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    assert obj.dapple.bound_to == "REST"
+    assert obj.dapple.attached_to == "REST"
     sides = 0
     for frame, (_, samples) in enumerate(tracked, 1):
         bpy.context.scene.frame_set(frame)
@@ -198,7 +198,7 @@ def test_points_are_previewed_too():
     bpy.context.scene.frame_set(6)
     riding = scenes.positions(obj)
     bpy.context.scene.frame_set(1)
-    assert bpy.ops.dapple.preview() == {"FINISHED"}
+    assert bpy.ops.dapple.live_preview() == {"FINISHED"}
     for frame in (3, 6):
         bpy.context.scene.frame_set(frame)
         preview.tick()
@@ -209,7 +209,7 @@ def test_points_are_previewed_too():
     preview.tick()
     assert preview.is_on(obj)
     assert len(scenes.positions(obj)) == 60
-    assert bpy.ops.dapple.preview() == {"FINISHED"}
+    assert bpy.ops.dapple.live_preview() == {"FINISHED"}
 
 
 def test_faces_that_change_in_every_frame_are_baked(tracked):
@@ -220,13 +220,13 @@ def test_faces_that_change_in_every_frame_are_baked(tracked):
         remesh.keyframe_insert("ratio", frame=frame)
     bpy.context.scene.frame_set(1)
     obj = scenes.scattered(surface)
-    assert obj.dapple.bound_to == "FACES"
+    assert obj.dapple.attached_to == "FACES"
     with pytest.raises(RuntimeError, match="changes its topology at frame 2"):
         bpy.ops.dapple.bake()
     tracked.clear()
-    obj.dapple.bind_to = "REST"
+    obj.dapple.attach_to = "REST"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    assert obj.dapple.bound_to == "REST"
+    assert obj.dapple.attached_to == "REST"
     stored = addon_host.part("blender.scatter.key_stores").read_baked(obj)
     assert len(set(stored.frames["dapple_vertices"])) > 1
     before = None
@@ -245,11 +245,11 @@ def test_faces_that_change_in_every_frame_are_baked(tracked):
 def test_bind_to_is_fulfilled_by_bake_and_is_no_complaint_any_more():
     surface = scenes.tail(frames=3)
     obj = scenes.scattered(surface)
-    for bind_to in ("REST", "FACES"):
-        obj.dapple.bind_to = bind_to
+    for attach_to in ("REST", "FACES"):
+        obj.dapple.attach_to = attach_to
         assert "Attach To" in stale(obj)
         assert bpy.ops.dapple.bake() == {"FINISHED"}
-        assert obj.dapple.bound_to == bind_to
+        assert obj.dapple.attached_to == attach_to
         assert stale(obj) == ""
         assert scenes.node_warnings(obj) == []
         assert len(scenes.positions(obj)) == 60
@@ -261,9 +261,9 @@ def test_a_failed_operator_leaves_rest_position_off():
     # the rim has no thickness at rest
     surface.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.5
     obj = scenes.scattered(surface)
-    obj.dapple.bind_to = "REST"
+    obj.dapple.attach_to = "REST"
     before = scenes.snapshot()
-    for operator in ("optimize", "rebind", "bake"):
+    for operator in ("optimize", "reattach", "bake"):
         with pytest.raises(RuntimeError, match="has the rest position of another place"):
             getattr(bpy.ops.dapple, operator)()
         assert scenes.snapshot() == before
@@ -273,14 +273,14 @@ def test_a_failed_operator_leaves_rest_position_off():
 def test_a_stopped_bake_leaves_rest_position_off():
     surface = scenes.tail(frames=3)
     obj = scenes.scattered(surface)
-    obj.dapple.bind_to = "REST"
+    obj.dapple.attach_to = "REST"
     baking = addon_host.part("blender.bake.steps")
     running = baking.bake_steps(bpy.context, 1, 3)
     next(running)
     assert surface.add_rest_position_attribute
     running.close()
     assert not surface.add_rest_position_attribute
-    assert obj.dapple.bound_to == "FACES"
+    assert obj.dapple.attached_to == "FACES"
 
 
 def test_a_failed_add_leaves_no_scatter_and_no_node_group(monkeypatch):
@@ -296,7 +296,7 @@ def test_a_failed_add_leaves_no_scatter_and_no_node_group(monkeypatch):
 
     monkeypatch.setattr(writing, "write_scattered", fails)
     with pytest.raises(RuntimeError, match="cannot be written"):
-        bpy.ops.dapple.add(count=30)
+        bpy.ops.dapple.add_scatter(count=30)
     assert scenes.snapshot() == before
 
 
@@ -337,7 +337,7 @@ def test_what_needs_the_same_faces_in_all_frames_says_what_does_not():
         other.keyframe_insert("co", frame=frame)
     bpy.context.scene.frame_set(1)
     obj = scenes.scattered(surface)
-    obj.dapple.bake_smoothing = "LOOP"
+    obj.dapple.smoothing = "LOOP"
     said = "changes its topology at frame 2.*Set Smoothing to Forward"
     with pytest.raises(RuntimeError, match=said):
         bpy.ops.dapple.bake()
@@ -348,13 +348,13 @@ def test_a_metaball_of_another_ones_surface_says_so():
         bpy.ops.object.metaball_add()
     before = scenes.snapshot()
     with pytest.raises(RuntimeError, match=r"'Mball.001' has no surface of its own"):
-        bpy.ops.dapple.add()
+        bpy.ops.dapple.add_scatter()
     assert scenes.snapshot() == before
 
 
 def test_a_bake_with_births_that_cannot_be_written_keeps_the_one_before():
     obj = scenes.scattered(scenes.tail(frames=4))
-    obj.dapple.count_over_time = "KEEP_DENSITY"
+    obj.dapple.population = "KEEP_DENSITY"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     count = len(obj.data.vertices)
     assert count > 60

@@ -41,7 +41,7 @@ def select(*objects):
 
 def over(*objects, **options):
     select(*objects)
-    assert bpy.ops.dapple.add(**options) == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(**options) == {"FINISHED"}
     return bpy.context.object
 
 
@@ -87,7 +87,7 @@ def test_one_selected_object_is_its_own_surface():
     select(left, middle)
     bpy.context.view_layer.objects.active = scenes.sphere()
     bpy.context.object.select_set(False)
-    bpy.ops.dapple.add(count=20)
+    bpy.ops.dapple.add_scatter(count=20)
     assert bpy.context.object.dapple.surface.name == "Sphere"
 
 
@@ -124,7 +124,7 @@ def test_a_failing_add_leaves_nothing_behind():
     select(*tiles())
     before = scenes.snapshot()
     with pytest.raises(RuntimeError):
-        bpy.ops.dapple.add(count=10**9)
+        bpy.ops.dapple.add_scatter(count=10**9)
     assert scenes.snapshot() == before
     collection_of(name="Empty")
     before = scenes.snapshot()
@@ -138,7 +138,7 @@ def test_one_undo_takes_all_of_it_back():
     select(*tiles())
     bpy.ops.ed.undo_push(message="Before")
     before = state()
-    bpy.ops.dapple.add("EXEC_DEFAULT", True, count=20)
+    bpy.ops.dapple.add_scatter("EXEC_DEFAULT", True, count=20)
     bpy.ops.ed.undo()
     assert state() == before
     bpy.ops.ed.redo()
@@ -156,7 +156,7 @@ def test_a_collection_is_one_surface_and_new_objects_of_it_are_asked_for():
     terrain.objects.link(right)
     assert reason(obj) == "'Right' was added to 'Terrain Surface': optimize again"
     assert (scenes.positions(obj) == before).all()
-    assert bpy.ops.dapple.rebind() == {"FINISHED"}
+    assert bpy.ops.dapple.reattach() == {"FINISHED"}
     assert reason(obj) == ""
     assert np.allclose(scenes.positions(obj), before, atol=1e-5)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
@@ -187,7 +187,7 @@ def test_values_come_by_name_and_are_0_where_a_part_has_none():
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     share = np.histogram(scenes.positions(obj)[:, 0], [-1, 1, 3, 5])[0]
     assert np.allclose(share, [100, 200, 0], atol=10)
-    obj.dapple.density.blocked = "Tint"
+    obj.dapple.density.blocked_areas = "Tint"
     obj.dapple.density.attribute = ""
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     share = np.histogram(scenes.positions(obj)[:, 0], [-1, 1, 3, 5])[0]
@@ -209,7 +209,7 @@ def test_parts_with_other_faces_in_renders_are_attached_at_rest():
     made = tiles()
     subdivided(made[1], 1, 2)
     obj = over(*made, count=90)
-    assert obj.dapple.bound_to == "REST"
+    assert obj.dapple.attached_to == "REST"
     assert all(one.add_rest_position_attribute for one in made)
     before = scenes.positions(obj)
     made[1].modifiers[0].levels = 2
@@ -229,12 +229,12 @@ def test_subdivision_of_the_parts_is_matched():
     assert topology.differences(obj.dapple.surface, bpy.context.scene) == [
         "'Middle': Subdivision: 1 and 2"
     ]
-    obj.dapple.bind_to = "FACES"
+    obj.dapple.attach_to = "FACES"
     with pytest.raises(RuntimeError, match=r"Surface 'Middle' has .* in the viewport"):
         bpy.ops.dapple.optimize()
     assert bpy.ops.dapple.match_subdivision() == {"FINISHED"}
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
-    assert obj.dapple.bound_to == "FACES"
+    assert obj.dapple.attached_to == "FACES"
 
 
 def cloth(rig_of):
@@ -252,7 +252,7 @@ def cloth(rig_of):
 def test_a_character_of_several_meshes_plays_and_is_baked(render_levels):
     body = scenes.tail(render_levels=render_levels)
     obj = over(body, cloth(body), count=120)
-    assert obj.dapple.bound_to == ("FACES" if render_levels == 1 else "REST")
+    assert obj.dapple.attached_to == ("FACES" if render_levels == 1 else "REST")
     dapple = pytest.importorskip("dapple3d")
     for bake in (False, True):
         if bake:
@@ -338,7 +338,7 @@ def test_painting_begins_on_the_part_that_was_clicked_last():
         assert (bpy.context.object, bpy.context.mode) == (middle, "PAINT_WEIGHT")
         name = obj.dapple.density.attribute
         assert all(weights(part, name) == {0.5} for part in (left, middle, right))
-        assert "dapple.paint_done" in test_panels.drawn()
+        assert "dapple.finish_painting" in test_panels.drawn()
         middle.vertex_groups.active.add(range(len(middle.data.vertices)), 0.0, "REPLACE")
         middle.data.update()
         assert live.settle() == 1
@@ -347,8 +347,8 @@ def test_painting_begins_on_the_part_that_was_clicked_last():
         bpy.context.view_layer.objects.active = left
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")  # as Blender's Transfer Mode does
         assert left.vertex_groups.active.name == name
-        assert "dapple.paint_done" in test_panels.drawn()
-        bpy.ops.dapple.paint_done()
+        assert "dapple.finish_painting" in test_panels.drawn()
+        bpy.ops.dapple.finish_painting()
         assert bpy.context.object == obj
 
 
@@ -359,7 +359,7 @@ def test_a_part_gets_a_group_that_others_have_and_stays_as_it_was():
     obj.dapple.density.attribute = "Grass"
     assert bpy.ops.dapple.paint_density() == {"FINISHED"}
     assert weights(middle, "Grass") == set()
-    bpy.ops.dapple.paint_done()
+    bpy.ops.dapple.finish_painting()
     obj.dapple.density.attribute = "Else"
     with pytest.raises(RuntimeError, match="'Else', which is not a vertex group of"):
         bpy.ops.dapple.paint_density()
@@ -396,14 +396,14 @@ def test_density_colors_and_tiles_are_of_all_parts():
     bpy.ops.dapple.show_density()
     assert np.ptp(overlay.triangles()[0][:, 0]) == pytest.approx(6.0)
     bpy.ops.dapple.show_density()
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     assert np.ptp(scenes.world_vertices(obj.dapple.tiles.object)[:, 0]) > 5.9
 
 
 def test_parts_do_not_block_their_own_points():
     left, middle, _ = tiles()
     obj = over(left, middle, count=30)
-    obj.dapple.density.obstacles = collection_of(left, middle)
+    obj.dapple.density.avoid_collection = collection_of(left, middle)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert len(scenes.positions(obj)) == 30
 
@@ -452,7 +452,7 @@ def test_what_is_added_in_local_view_is_seen_there():
         assert obj.visible_get(viewport=space)
         assert bpy.ops.dapple.optimize() == {"FINISHED"}
         assert bpy.ops.dapple.paint_density() == {"FINISHED"}
-        bpy.ops.dapple.paint_done()
+        bpy.ops.dapple.finish_painting()
         assert bpy.context.object == obj
         obj.dapple.surface = lone
         obj.dapple.density.attribute = ""
@@ -516,10 +516,10 @@ def test_linked_parts_are_scattered_on_and_not_written_to(library):
     assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
     with pytest.raises(RuntimeError, match=r"'(Tail|Cloth)' is linked from"):
         bpy.ops.dapple.paint_density()
-    obj.dapple.bind_to = "REST"
+    obj.dapple.attach_to = "REST"
     with pytest.raises(RuntimeError, match="Rest Position of the surface is off, and"):
         bpy.ops.dapple.optimize()
-    assert obj.dapple.bound_to == "FACES"
+    assert obj.dapple.attached_to == "FACES"
 
 
 def test_the_surface_of_a_scatter_is_made_of_other_objects():
@@ -587,14 +587,14 @@ def test_a_copied_character_has_its_scatter_on_the_copy(linked, baked):
     assert np.allclose(scenes.positions(obj), found, atol=1e-5)
     assert copy.dapple.surface != obj.dapple.surface
     bpy.context.view_layer.objects.active = copy
-    assert bpy.ops.dapple.optimize(drop_keys=True) == {"FINISHED"}
+    assert bpy.ops.dapple.optimize(delete_keyframes=True) == {"FINISHED"}
     assert scenes.positions(copy)[:, 0].mean() == pytest.approx(found[:, 0].mean() + 3.0, abs=0.1)
 
 
 def test_tiles_that_are_copied_too_follow_the_copy():
     left, middle, _ = tiles()
     obj = over(left, middle, count=30)
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     made = everything_copied(but={bpy.data.objects["Right"]})
     (copy,) = scatters_of(made)
     assert copy.dapple.tiles.object not in {None, obj.dapple.tiles.object}

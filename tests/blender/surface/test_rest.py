@@ -31,7 +31,7 @@ def _vector(point):
 
 def bound(surface, count=60):
     bpy.context.view_layer.objects.active = surface
-    assert bpy.ops.dapple.add(count=count, bind_to="REST") == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=count, attach_to="REST") == {"FINISHED"}
     return bpy.context.object
 
 
@@ -64,12 +64,12 @@ def test_it_stays_on_a_surface_whose_faces_change():
 @pytest.mark.parametrize("align", [1.0, 1.0 - 1e-6])
 def test_things_are_turned_each_by_its_own_angle(align):
     obj = bound(scenes.tail(frames=6))
-    obj.dapple.align = align
+    obj.dapple.align_to_normal = align
     own = np.empty(len(obj.data.vertices), dtype=np.float32)
     obj.data.attributes["dapple_turn"].data.foreach_get("value", own)
-    obj.dapple.turn_randomness = 0.0
+    obj.dapple.random_turn = 0.0
     straight = scenes.rotations(obj)
-    obj.dapple.turn_randomness = 0.5
+    obj.dapple.random_turn = 0.5
     found = scenes.rotations(obj)[:, :, 0]
     expected = (
         np.cos(0.5 * own)[:, None] * straight[:, :, 0]
@@ -81,7 +81,7 @@ def test_things_are_turned_each_by_its_own_angle(align):
 def test_viewport_and_render_may_have_other_faces():
     surface = scenes.tail(levels=1, render_levels=2, frames=6)
     with pytest.raises(RuntimeError, match="set Attach To to Automatic or Rest Position"):
-        bpy.ops.dapple.add(count=60, bind_to="FACES")
+        bpy.ops.dapple.add_scatter(count=60, attach_to="FACES")
     assert len(scenes.positions(bound(surface))) == 60
 
 
@@ -93,12 +93,12 @@ def test_every_way_of_baking_plays_by_the_rest_position(smoothing, kinds):
     for bind in (scenes.scattered, bound):
         obj = bind(surface)
         for _ in range(kinds):
-            assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+            assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
         if kinds:
             assert bpy.ops.dapple.optimize() == {"FINISHED"}
-        obj.dapple.bake_smoothing = smoothing
+        obj.dapple.smoothing = smoothing
         assert bpy.ops.dapple.bake() == {"FINISHED"}
-        assert obj.dapple.bound_to == ("REST" if bind is bound else "FACES")
+        assert obj.dapple.attached_to == ("REST" if bind is bound else "FACES")
         places = []
         for frame in (1, 3, 6):
             bpy.context.scene.frame_set(frame)
@@ -118,7 +118,7 @@ def test_smoothing_on_faces_that_change_in_every_frame():
         decimate.keyframe_insert("ratio", frame=frame)
     bpy.context.scene.frame_set(1)
     obj = bound(surface)
-    obj.dapple.bake_smoothing = "BOTH_WAYS"
+    obj.dapple.smoothing = "BOTH_WAYS"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame in (1, 2, 4):
         bpy.context.scene.frame_set(frame)
@@ -160,7 +160,7 @@ def test_modifiers_that_lose_the_rest_position_are_said():
     surface.modifiers.new("Nodes", "NODES").node_group = tree
     before = scenes.snapshot()
     with pytest.raises(RuntimeError, match="'Sphere': its modifiers make a mesh without rest pos"):
-        bpy.ops.dapple.add(count=60, bind_to="REST")
+        bpy.ops.dapple.add_scatter(count=60, attach_to="REST")
     assert scenes.snapshot() == before
     assert not surface.add_rest_position_attribute
 
@@ -168,7 +168,7 @@ def test_modifiers_that_lose_the_rest_position_are_said():
 def test_things_turn_with_the_surface():
     surface = scenes.sphere()
     obj = bound(surface)
-    obj.dapple.turn_randomness = 0.0
+    obj.dapple.random_turn = 0.0
     before = scenes.rotations(obj)
     surface.rotation_euler = (0.3, 0.5, -0.4)
     bpy.context.view_layer.update()
@@ -190,14 +190,14 @@ def test_a_thickness_without_width_at_rest_is_refused_and_nothing_is_written():
     bpy.context.object.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.5
     before = sorted(bpy.data.objects.keys())
     with pytest.raises(RuntimeError, match=r"point \d+ has the rest position of another place"):
-        bpy.ops.dapple.add(count=60, bind_to="REST")
+        bpy.ops.dapple.add_scatter(count=60, attach_to="REST")
     assert sorted(bpy.data.objects.keys()) == before
 
 
 def test_back_to_faces():
     surface = scenes.tail(frames=6)
     obj = bound(surface)
-    obj.dapple.bind_to = "FACES"
+    obj.dapple.attach_to = "FACES"
     assert any("Attach To" in warning for warning in scenes.node_warnings(obj))
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert not scenes.node_warnings(obj)

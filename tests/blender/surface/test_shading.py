@@ -139,9 +139,9 @@ def test_instances_stand_along_the_shading_normal(make, bound):
     surface = make()
     if bound == "REST" and surface.type != "MESH":
         pytest.skip("only meshes have rest positions")
-    assert bpy.ops.dapple.add(count=150, bind_to=bound) == {"FINISHED"}
+    assert bpy.ops.dapple.add_scatter(count=150, attach_to=bound) == {"FINISHED"}
     obj = bpy.context.object
-    assert obj.dapple.bound_to == bound
+    assert obj.dapple.attached_to == bound
     assert degrees_off(obj, surface).max() < 0.5
 
 
@@ -158,7 +158,7 @@ def test_on_a_scaled_or_mirrored_surface_they_stand_as_it_is_shaded(make, scale)
 
 def check_as_python_says(obj, surface):
     """Instances without a turn of their own have the axes of core/surface/frames.py."""
-    obj.dapple.turn_randomness = 0.0
+    obj.dapple.random_turn = 0.0
     part = addon_host.part
     reading, frames = part("blender.surface.mesh"), part("core.surface.frames")
     arrays = reading.read_mesh(surface)
@@ -214,7 +214,7 @@ def turns(obj, frames):
 def test_over_a_hard_edge_an_instance_turns_over_some_frames(every):
     surface = stretched(cube())
     obj = scenes.scattered(surface, count=200)
-    obj.dapple.key_every, obj.dapple.forward = every, "X"
+    obj.dapple.keyframe_step, obj.dapple.forward = every, "X"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     found = turns(obj, range(1, 13))
     assert found.max() < 12.0
@@ -226,7 +226,7 @@ def test_over_a_hard_edge_an_instance_turns_over_some_frames(every):
 def test_a_bake_stands_along_the_shading_normal():
     surface = stretched(smooth_cube_with_sharp_edges(), factors=(1.3, 1.3, 1.3), frames=4)
     obj = scenes.scattered(surface, count=200)
-    obj.dapple.turn_randomness = 0.0
+    obj.dapple.random_turn = 0.0
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame, part in ((1, 0.0), (2, 0.5), (4, 0.0)):
         bpy.context.scene.frame_set(frame, subframe=part)
@@ -236,7 +236,7 @@ def test_a_bake_stands_along_the_shading_normal():
 def test_an_export_has_the_shading_normals(tmp_path):
     scenes.scattered(cube(), count=100)
     path = tmp_path / "cones.npz"
-    assert bpy.ops.dapple.export(filepath=str(path)) == {"FINISHED"}
+    assert bpy.ops.dapple.export_points(filepath=str(path)) == {"FINISHED"}
     with np.load(path) as stored:
         w, x, y, z = stored["orientations"].T
     up = np.column_stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
@@ -278,5 +278,5 @@ def test_reattached_points_stand_along_the_normal_of_their_new_place(changed):
     surface.data = changed().data
     bpy.data.objects.remove(bpy.context.object)
     bpy.context.view_layer.objects.active = obj
-    assert bpy.ops.dapple.rebind() == {"FINISHED"}
+    assert bpy.ops.dapple.reattach() == {"FINISHED"}
     assert degrees_off(obj, surface).max() < 0.5

@@ -66,7 +66,7 @@ def test_a_surface_under_a_parent_that_shears_it(scale):
     bpy.context.view_layer.update()
     assert fits(surface, obj)
     assert reason(obj) == ""
-    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.rebind, bpy.ops.dapple.bake):
+    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.reattach, bpy.ops.dapple.bake):
         assert action() == {"FINISHED"}
         assert fits(surface, obj)
 
@@ -114,7 +114,7 @@ def test_a_surface_that_lost_its_faces_is_named():
     surface.data.clear_geometry()
     surface.data.vertices.add(3)
     before = scenes.snapshot()
-    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.rebind):
+    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.reattach):
         with pytest.raises(RuntimeError, match="Surface 'Sphere' has no faces at frame 1"):
             action()
         assert scenes.snapshot() == before
@@ -152,11 +152,11 @@ def test_a_surface_of_instances_says_what_to_do():
     assert fits(surface, obj)
 
 
-@pytest.mark.parametrize("topology", ["REFUSE", "REBIND"])
+@pytest.mark.parametrize("topology", ["STOP", "REATTACH"])
 def test_a_frame_of_a_bake_without_faces_is_named(topology):
     surface = scenes.sphere()
     obj = scenes.scattered(surface)
-    obj.dapple.on_topology_change = topology
+    obj.dapple.new_topology = topology
     group, (delete,) = nodes_on(surface, "GeometryNodeDeleteGeometry")
     time, later = group.nodes.new("GeometryNodeInputSceneTime"), group.nodes.new("ShaderNodeMath")
     later.operation = "GREATER_THAN"
@@ -174,7 +174,7 @@ def test_a_scatter_is_no_surface():
     before = scenes.snapshot()
     for wrong in (first, second):
         second.dapple.surface = wrong
-        for name in ("optimize", "rebind", "bake", "tile", "preview"):
+        for name in ("optimize", "reattach", "bake", "make_tiles", "live_preview"):
             with pytest.raises(RuntimeError, match=f"'{wrong.name}' of '{second.name}' is a scat"):
                 getattr(bpy.ops.dapple, name)()
     assert scenes.snapshot() == before
@@ -214,7 +214,7 @@ def test_what_is_edited_counts_before_edit_mode_is_left():
     bmesh.update_edit_mesh(surface.data)
     assert np.ptp(arrays_of(surface).vertices[:, 0]) > 5.9
     assert fits(surface, obj)
-    for name in ("add", "optimize", "bake", "rebind", "tile", "clear_bake"):
+    for name in ("add_scatter", "optimize", "bake", "reattach", "make_tiles", "clear_bake"):
         assert not getattr(bpy.ops.dapple, name).poll()
     below = [vertex for vertex in edited.verts if vertex.co.z > 0.1]
     bmesh.ops.delete(edited, geom=below, context="VERTS")
@@ -232,7 +232,7 @@ def test_a_surface_that_is_sculpted_or_painted_can_be_scattered_on(mode):
     obj = scenes.scattered(surface)
     bpy.context.view_layer.objects.active = surface
     bpy.ops.object.mode_set(mode=mode)
-    assert not bpy.ops.dapple.add.poll()
+    assert not bpy.ops.dapple.add_scatter.poll()
     bpy.context.view_layer.objects.active = obj
     obj.dapple.count = 40
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
@@ -245,7 +245,7 @@ def test_a_scatter_in_edit_mode_keeps_its_bake():
     bpy.context.scene.frame_end = 2
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     bpy.ops.object.mode_set(mode="EDIT")
-    for name in ("optimize", "bake", "rebind", "tile", "clear_bake", "select_overlap"):
+    for name in ("optimize", "bake", "reattach", "make_tiles", "clear_bake", "select_overlap"):
         assert not getattr(bpy.ops.dapple, name).poll()
     bpy.ops.object.mode_set(mode="OBJECT")
     assert len(scenes.positions(obj)) == 60
@@ -275,7 +275,7 @@ def test_a_surface_that_is_not_shown_is_a_surface_all_the_same(aside):
     surface.name = "Renamed"
     aside(surface)
     obj.dapple.count = 30
-    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.rebind, bpy.ops.dapple.bake):
+    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.reattach, bpy.ops.dapple.bake):
         assert action() == {"FINISHED"}
         bpy.context.scene.frame_set(2)
         assert fits(surface, obj, 30)
@@ -340,7 +340,7 @@ def test_curves_and_texts_are_surfaces_too(make):
     bpy.context.view_layer.update()
     obj = scenes.scattered(surface)
     obj.dapple.seed = 2
-    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.bake, bpy.ops.dapple.tile):
+    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.bake, bpy.ops.dapple.make_tiles):
         assert action() == {"FINISHED"}
         assert fits(surface, obj)
         assert reason(obj) == ""
@@ -364,7 +364,7 @@ def test_another_resolution_in_the_render_is_refused_and_matched(make, name):
     before = scenes.snapshot()
     data = len(bpy.data.curves)
     with pytest.raises(RuntimeError, match=r"in the render \(Resolution: .*Match Subdivision"):
-        bpy.ops.dapple.add(count=60)
+        bpy.ops.dapple.add_scatter(count=60)
     assert scenes.snapshot() == before
     assert len(bpy.data.curves) == data
     assert bpy.ops.dapple.match_subdivision() == {"FINISHED"}
@@ -378,7 +378,7 @@ def test_what_is_no_mesh_has_no_rest_position():
     title()
     before = scenes.snapshot()
     with pytest.raises(RuntimeError, match="'Text' is not a mesh and has no rest position"):
-        bpy.ops.dapple.add(bind_to="REST")
+        bpy.ops.dapple.add_scatter(attach_to="REST")
     assert scenes.snapshot() == before
 
 

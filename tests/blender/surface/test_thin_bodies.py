@@ -8,7 +8,7 @@ import pytest
 
 def strewn(make, count):
     make()
-    bpy.ops.dapple.add(count=count)
+    bpy.ops.dapple.add_scatter(count=count)
     return bpy.context.object
 
 

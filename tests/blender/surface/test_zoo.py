@@ -8,7 +8,7 @@ import scenes
 
 
 def scattered(count=300):
-    bpy.ops.dapple.add(count=count)
+    bpy.ops.dapple.add_scatter(count=count)
     return bpy.context.object
 
 

@@ -12,7 +12,7 @@ from mathutils.bvhtree import BVHTree
 def tiled(obj, **settings):
     for name, value in settings.items():
         setattr(obj.dapple.tiles, name, value)
-    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    assert bpy.ops.dapple.make_tiles() == {"FINISHED"}
     return obj.dapple.tiles.object
 
 
@@ -44,8 +44,8 @@ def test_grout_and_inset_take_area_and_thickness_makes_bodies():
     whole = area(tiled(obj, grout=0.0, thickness=0.0))
     grout = area(tiled(obj, grout=0.1))
     assert 0.75 < grout / whole < 0.87
-    assert area(tiled(obj, inset_randomness=0.2)) < 0.9 * grout
-    made = tiled(obj, inset_randomness=0.0, thickness=0.2)
+    assert area(tiled(obj, random_inset=0.2)) < 0.9 * grout
+    made = tiled(obj, random_inset=0.0, thickness=0.2)
     faces_of = np.bincount([key for p in made.data.polygons for key in edge_indices(made, p)])
     assert set(faces_of) == {2}, "closed bodies"
 
@@ -77,10 +77,10 @@ def vector(row):
 def test_tiles_of_one_class_have_one_hue_and_all_carry_their_class():
     obj = scenes.scattered(scenes.sphere(), count=60)
     for _ in range(2):
-        bpy.ops.dapple.edit_classes(action="ADD")
+        bpy.ops.dapple.edit_object_types(action="ADD")
     bpy.ops.dapple.optimize()
     made = tiled(obj, color_by="CLASS")
-    kinds = column(made.data, "dapple_class", np.int32)
+    kinds = column(made.data, "dapple_object_type", np.int32)
     assert set(kinds) == {0, 1}
     colors = np.array([one.color[:3] for one in made.data.color_attributes["Color"].data])
     for kind in (0, 1):
@@ -129,7 +129,7 @@ def farthest_off(surface, places):
 def test_tiles_deform_with_the_body(render_levels):
     surface = scenes.tail(render_levels=render_levels)
     obj = scenes.scattered(surface, count=40)
-    assert obj.dapple.bound_to == ("FACES" if render_levels == 1 else "REST")
+    assert obj.dapple.attached_to == ("FACES" if render_levels == 1 else "REST")
     made = tiled(obj, thickness=0.0, grout=0.1)
     first = shown(made)
     assert np.allclose(first, stored(made), atol=1e-5)
@@ -176,7 +176,7 @@ def test_tiles_of_several_objects_deform_with_them():
     other = bpy.context.object
     for part in (body, other):
         part.select_set(True)
-    bpy.ops.dapple.add(count=60)
+    bpy.ops.dapple.add_scatter(count=60)
     obj = bpy.context.object
     made = tiled(obj, thickness=0.0)
     first = shown(made)
@@ -211,7 +211,7 @@ def test_tiles_follow_the_frame():
 
 def test_a_grout_that_takes_some_tiles_is_told():
     obj = scenes.scattered(scenes.sphere(), count=60)
-    made = tiled(obj, grout=0.85, inset_randomness=0.1)
+    made = tiled(obj, grout=0.85, random_inset=0.1)
     assert 0 < len(set(column(made.data, "cell", np.int32))) < 60
 
 
@@ -219,9 +219,9 @@ def test_a_grout_that_leaves_nothing_is_refused_and_the_tiles_stay():
     obj = scenes.scattered(scenes.sphere(), count=60)
     made = tiled(obj)
     polygons = len(made.data.polygons)
-    obj.dapple.tiles.grout, obj.dapple.tiles.inset_randomness = 1.0, 0.5
+    obj.dapple.tiles.grout, obj.dapple.tiles.random_inset = 1.0, 0.5
     with pytest.raises(RuntimeError, match="Sphere': all 60 tiles are empty: the grout and the"):
-        bpy.ops.dapple.tile()
+        bpy.ops.dapple.make_tiles()
     assert len(made.data.polygons) == polygons
 
 
@@ -242,5 +242,5 @@ def test_a_surface_that_lost_its_faces_is_refused_and_the_tiles_stay():
     polygons = len(made.data.polygons)
     surface.data.clear_geometry()
     with pytest.raises(RuntimeError, match="Sphere"):
-        bpy.ops.dapple.tile()
+        bpy.ops.dapple.make_tiles()
     assert len(made.data.polygons) == polygons
