@@ -437,9 +437,10 @@ def test_scales_and_places_that_cannot_be(case, made, spoil, tmp_path):
     finally:
         addon_host.part("blender.density.overlay").stop()
         preview = addon_host.part("blender.display.preview")
-        if preview.is_on(bpy.context.object):
+        active = bpy.context.object
+        if active is not None and preview.is_on(active):
             bpy.ops.dapple.live_preview()
-            assert not preview.is_on(bpy.context.object)
+            assert not preview.is_on(active)
 
 
 def works(name, obj, count):
