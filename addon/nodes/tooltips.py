@@ -77,8 +77,9 @@ INPUTS = {
     "make them larger",
     "Offset": "Distance of the instances from the surface along its normal; negative values sink "
     "them",
-    "Fit to Spacing": "How far instances are scaled to the room of their points: 0 keeps their "
-    "size, 1 makes them touch their nearest like but not overlap it",
+    "Fit to Spacing": "How far instances are scaled to the free space around their "
+    "points: 0 keeps their size, at 1 they touch the nearest instance "
+    "of the same type without overlap",
     "Weights": "How often each object of the collection is picked, as the add-on writes it. Empty: "
     "all alike",
     "Points": "Points with the attributes rotation and scale; those whose fade is 0 are left out",

@@ -104,8 +104,8 @@ class DAPPLE_OT_add_over_collection(_Adds, bpy.types.Operator):
 
 
 class DAPPLE_OT_surface_from_selected(AllOrNothing, bpy.types.Operator):
-    """Have the surface be the other selected objects, several as one. The points are put on it when
-    they are next optimized"""
+    """Use the other selected objects as the surface, joined if there are several. The points move
+    there when they are next optimized"""
 
     bl_idname = "dapple.surface_from_selected"
     bl_label = "Surface from Selected"

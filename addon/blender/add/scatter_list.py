@@ -139,7 +139,7 @@ class DAPPLE_OT_select_surface(_NamedOperator, bpy.types.Operator):
 
 
 class DAPPLE_OT_solo_scatter(_NamedOperator, bpy.types.Operator):
-    """Hide all other scatters of the same surface in the viewport; once more, show all of them"""
+    """Hide all other scatters of the same surface in the viewport. Run again to show all of them"""
 
     bl_idname = "dapple.solo_scatter"
     bl_label = "Solo Scatter"

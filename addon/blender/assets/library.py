@@ -59,7 +59,7 @@ class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> None:
         found = library()
         if found is not None:
-            text = reported("The asset library '{name}' is there already", name=found.name)
+            text = reported("The asset library '{name}' already exists", name=found.name)
             self.report({"INFO"}, text)
             return
         libraries = context.preferences.filepaths.asset_libraries

@@ -53,14 +53,14 @@ def _draw_preview(context: bpy.types.Context, asset: bpy.types.Object) -> None:
 
 
 class DAPPLE_OT_place_scatter(StepsOperator, bpy.types.Operator):
-    """Put this scatter, which has no points yet, on a surface"""
+    """Place a scatter that has no points yet on a surface"""
 
     bl_idname = "dapple.place_scatter"
     bl_label = "Place Scatter"
     bl_options = OPTIONS
 
     surface: StringProperty(
-        name="Surface", description="Name of the surface; if empty, the one that is presumed"
+        name="Surface", description="Name of the surface; if empty, the most likely one"
     )
 
     @classmethod
@@ -106,7 +106,7 @@ def draw_placing(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bool:
     if read_only(obj):
         lines_of(layout, read_only(obj), "LIBRARY_DATA_DIRECT")
         return True
-    lines_of(layout, told("Choose a surface: the points follow by themselves"), "INFO")
+    lines_of(layout, told("Choose a surface: the points are then placed on it"), "INFO")
     row = layout.row()
     row.scale_y = 1.5
     row.prop(obj.dapple, "surface")

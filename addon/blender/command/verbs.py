@@ -79,8 +79,8 @@ def _export(group: list[bpy.types.Object], asked: Asked) -> Steps:
     """As File > Export does it."""
     yield PAUSE
     written = export_points(asked.file, group, _exported_frames(asked))
-    left = f"Left out, as they are no meshes: {', '.join(written.left_out)}"
-    skewed = f"{written.skewed} instances are skewed: they are written without that"
+    left = f"Left out because they are not meshes: {', '.join(written.left_out)}"
+    skewed = f"{written.skewed} instances are skewed: they are written without the skew"
     return {
         "state": EXPORTED,
         "files": [str(path) for path in written.files],

@@ -18,8 +18,8 @@ from .painting import begin_painting, end_painting, painted_scatter
 
 
 class DAPPLE_OT_paint_density(AllOrNothing, bpy.types.Operator):
-    """Paint on the surface how dense the points are. Takes the vertex group that the density uses,
-    or adds one with the same weight everywhere: no points where the weight is 0"""
+    """Paint the density of the points on the surface. Uses the vertex group of the density, or
+    adds one with the same weight everywhere: no points where the weight is 0"""
 
     bl_idname = "dapple.paint_density"
     bl_label = "Paint Density"
@@ -34,8 +34,8 @@ class DAPPLE_OT_paint_density(AllOrNothing, bpy.types.Operator):
 
 
 class DAPPLE_OT_paint_blocked_areas(AllOrNothing, bpy.types.Operator):
-    """Paint on the surface where there are to be no points. Takes the vertex group of Blocked
-    Areas, or adds an empty one: no points where the weight is 1, whatever the density is"""
+    """Paint areas without points on the surface. Uses the vertex group of Blocked Areas, or adds
+    an empty one: no points where the weight is 1, whatever the density is"""
 
     bl_idname = "dapple.paint_blocked_areas"
     bl_label = "Paint Blocked Areas"

@@ -34,7 +34,7 @@ class Collector:
 
     exported: what was read, in the order of the scatters.
     meshes: copies of what stands there: a list for each scatter, in the order of its objects.
-    left_out: names of objects that are no meshes.
+    left_out: names of objects that are not meshes.
     """
 
     scatters: Sequence[bpy.types.Object]

@@ -25,8 +25,8 @@ FORMATS = (
 
 
 class DAPPLE_OT_export_points(AllOrNothing, bpy.types.Operator, ExportHelper):
-    """Write the instances of the selected scatters to a file for other programs, with the objects
-    that stand there"""
+    """Write the instances of the selected scatters to a file for other programs, with the
+    instanced objects"""
 
     bl_idname = "dapple.export_points"
     bl_label = "Export Dapple Points"
@@ -101,12 +101,17 @@ def _said(written: Written) -> list[tuple[str, str]]:
     ]
     if written.left_out:
         left = ", ".join(written.left_out)
-        said.append(("WARNING", reported("Left out, as they are no meshes: {names}", names=left)))
+        said.append(
+            ("WARNING", reported("Left out because they are not meshes: {names}", names=left))
+        )
     if written.skewed:
         text = counted(
             written.skewed,
-            "{count} instance is skewed by an object's scale: it is written without that",
-            "{count} instances are skewed by an object's scale: they are written without that",
+            ("{count} instance is skewed by an object's scale: it is written without the skew"),
+            (
+                "{count} instances are skewed by an object's scale: they are written without "
+                "the skew"
+            ),
         )
         said.append(("WARNING", text))
     return said

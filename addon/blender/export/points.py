@@ -21,7 +21,7 @@ class Written:
     files: that were written.
     instances: of all scatters on the first frame.
     skewed: how many of them are not quite as they were, as files hold no skew.
-    left_out: names of objects that are no meshes.
+    left_out: names of objects that are not meshes.
     """
 
     files: list[Path]

@@ -258,7 +258,7 @@ def points_reason(obj: bpy.types.Object, present: Present) -> str:
         return solve_again(obj, told("Points were added or removed since the bake"))
     reason = _edited_reason(obj, present)
     if reason and obj.data.get(RESULT_KEY) == present.points(obj):
-        return solve_again(obj, told("An undo brought back points of other settings"))
+        return solve_again(obj, told("An undo restored points of other settings"))
     return reason or _placed_reason(obj)
 
 

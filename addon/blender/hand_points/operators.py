@@ -18,8 +18,8 @@ from .single_points import add_point, move_point, remove_point
 
 
 class DAPPLE_OT_edit_points(AllOrNothing, bpy.types.Operator):
-    """Add, move and remove single points in Edit Mode. Those that are added or moved are locked;
-    the others become even around them"""
+    """Add, move and remove single points in Edit Mode. Added and moved points are locked; the next
+    optimization arranges the others around them"""
 
     bl_idname = "dapple.edit_points"
     bl_label = "Edit Points"
@@ -81,7 +81,7 @@ class _PlacesPoint(AllOrNothing):
 class _PlacesThere(_PlacesPoint):
     location: FloatVectorProperty(
         name="Location",
-        description="Place in world space; the nearest one of the surface is taken",
+        description="Position in world space; the nearest position on the surface is used",
         subtype="XYZ",
         unit="LENGTH",
     )

@@ -23,7 +23,7 @@ def draw_editing(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool
         return False
     lines_of(layout, told("Editing the points of '{name}'", name=obj.name), "EDITMODE_HLT")
     lines_of(layout, told("Ctrl and right click adds a point, G moves, X removes"))
-    lines_of(layout, told("Added and moved points come down on the surface and are locked"))
+    lines_of(layout, told("Added and moved points are projected onto the surface and locked"))
     row = layout.row()
     row.scale_y = 1.5
     row.operator(DAPPLE_OT_finish_editing_points.bl_idname, text="Done", icon="CHECKMARK")

@@ -37,8 +37,9 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
 
     auto_update: BoolProperty(
         name="Auto Update",
-        description="Solve again as soon as a setting, the surface or what is avoided has changed. "
-        "On by itself while the last solution took less than a second",
+        description="Solve again after each change of a setting, the surface or avoided "
+        "objects. By default on while the last solution took less than a "
+        "second",
         options=STILL,
         translation_context=OWN,
         get=follows_by_itself,
@@ -78,7 +79,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     density: PointerProperty(
         name="Density",
-        description="Where there are more points, and where there are none",
+        description="Areas with more, fewer or no points",
         type=DAPPLE_PG_density,
     )
     tiles: PointerProperty(
@@ -123,14 +124,16 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     baked_frozen: StringProperty(
         name="Frozen in the Bake",
-        description="What moved during the bake while the density was that of its first frame",
+        description=(
+            "Objects that moved during the bake although the density was that of its first frame"
+        ),
     )
     bake_key: StringProperty(
         name="Bake Key", description="Identifies the frames that a stopped bake left behind"
     )
     attached_to: EnumProperty(
         name="Attached To",
-        description="What the points are attached to now",
+        description="Geometry that the points are attached to now",
         items=BOUND_TO,
         translation_context=OWN,
     )

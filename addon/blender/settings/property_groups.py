@@ -72,7 +72,7 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
     )
     evaluations: IntProperty(
         name="Evaluations",
-        description="How often the energy was evaluated, which is most of the work",
+        description="Number of evaluations of the energy, which take most of the time",
         min=0,
         soft_max=1000,
     )
@@ -119,7 +119,7 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
     )
     measured: BoolProperty(
         name="Measured",
-        description="Whether spacing and areas are those of these points",
+        description="Whether the figures belong to the current points",
         default=True,
     )
 
@@ -130,7 +130,7 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
 
     shown_term: EnumProperty(
         name="Show",
-        description="What Show Density colors the surface by",
+        description="Term of the density that Show Density displays",
         items=SHOWN_TERMS,
         translation_context=OWN,  # of the items too, some of which Blender translates otherwise
         options=STILL,
@@ -153,12 +153,12 @@ class DAPPLE_PG_weight(bpy.types.PropertyGroup):
 
     object: PointerProperty(
         name="Object",
-        description="Object of the collection that the weight is for",
+        description="Object of the collection that the weight applies to",
         type=bpy.types.Object,
     )
     collection: PointerProperty(
         name="Collection",
-        description="Collection in the collection that the weight is for",
+        description="Nested collection that the weight applies to",
         type=bpy.types.Collection,
     )
     weight: FloatProperty(
@@ -190,10 +190,10 @@ class DAPPLE_PG_part(bpy.types.PropertyGroup):
         name="Part", description="Object of the scene that is the part", type=bpy.types.Object
     )
     inside: IntProperty(
-        name="Inside", description="Index of what instances it, -1 if it is in the scene"
+        name="Inside", description=("Index of the instancing object, -1 for an object of the scene")
     )
     instances: BoolProperty(
-        name="Instances", description="Whether it stands for the objects of a collection"
+        name="Instances", description="Whether the part is an instance of a collection"
     )
     rest_scale: FloatProperty(
         name="Rest Scale", description="Scale of its rest positions on the joined surface"
@@ -227,4 +227,4 @@ class DAPPLE_PG_joined(bpy.types.PropertyGroup):
         description="Collection whose objects are the parts, if there is one",
         type=bpy.types.Collection,
     )
-    cells: IntProperty(name="Cells", description="Number of parts that there have ever been")
+    cells: IntProperty(name="Cells", description="Number of parts that were ever added")

@@ -48,7 +48,7 @@ class DAPPLE_OT_delete_keyframes(AllOrNothing, bpy.types.Operator):
 
     action: EnumProperty(
         name="Action",
-        description="What is done once the keyframes are deleted",
+        description="Operation that follows once the keyframes are deleted",
         items=[
             ("OPTIMIZE", "Optimize", "Optimize the points again"),
             ("REATTACH", "Reattach", "Attach the points to the nearest places"),
@@ -145,7 +145,7 @@ class DAPPLE_OT_reattach(_DropsKeys, bpy.types.Operator):
 
 
 class DAPPLE_OT_cancel_update(AllOrNothing, bpy.types.Operator):
-    """Stop what is going on; the points stay as they are"""
+    """Cancel the running update; the points stay unchanged"""
 
     bl_idname = "dapple.cancel_update"
     bl_label = "Cancel Update"

@@ -72,7 +72,7 @@ def _draw_figures(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
 
 
 class DAPPLE_PT_details(bpy.types.Panel):
-    """How the last optimization went, in pictures"""
+    """Charts of the last optimization"""
 
     bl_label = "Details"
     bl_space_type = "VIEW_3D"

@@ -18,7 +18,7 @@ def free(cls: type[bpy.types.Operator]) -> bool:
         cls.poll_message_set(missing())
     elif work is not None:
         name = operator_label(work.label)
-        cls.poll_message_set(told("'{work}' is still going on: cancel it, or wait", work=name))
+        cls.poll_message_set(told("'{work}' is still running: cancel it or wait", work=name))
     else:
         return True
     return False

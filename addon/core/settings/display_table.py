@@ -14,7 +14,7 @@ SHOWN = (
         Kind.CHOICE,
         "INSTANCES",
         "Display As",
-        "What the viewport shows; renders show instances",
+        "Display in the viewport; renders show instances",
         Changes.INSTANCES,
         choices=DISPLAY_AS,
     ),

@@ -81,8 +81,9 @@ INSTANCES = (
         Kind.NUMBER,
         0.0,
         "Fit to Spacing",
-        "How far instances are scaled to the room of their points: 0 keeps their size, 1 makes "
-        "them touch their nearest like but not overlap it. The other scales multiply",
+        "How far instances are scaled to the free space around their points: 0 keeps "
+        "their size, at 1 they touch the nearest instance of the same type without "
+        "overlap. The other scales multiply",
         Changes.INSTANCES,
         low=0.0,
         high=1.0,
@@ -244,7 +245,7 @@ TILES = (
         Kind.CHOICE,
         "RANDOM",
         "Color By",
-        "What the color attribute of the tiles shows",
+        "Meaning of the color attribute of the tiles",
         Changes.NOTHING,
         choices=(
             ("RANDOM", "Tile", "Each tile has a random color that depends on its ID"),

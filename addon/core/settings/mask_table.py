@@ -61,7 +61,7 @@ MATERIAL = (
         "Materials of the surface whose faces have full density",
         under="use_material",
     ),
-    *_ends("material", "Full density on the faces of all other materials in place of these"),
+    *_ends("material", "Full density on the faces of all other materials instead of these"),
 )
 SLOPE = (
     _switch(
@@ -137,8 +137,8 @@ DISTANCE = (
         Kind.COLLECTION,
         "",
         "Collection",
-        "Collection of objects; the distance is that to the nearest one. The surface and what "
-        "the scatter makes and places do not count",
+        "Collection of objects; the distance is that to the nearest one. The surface and "
+        "the scatter's own tiles and instances do not count",
         under="use_distance",
     ),
     Setting(
@@ -146,7 +146,7 @@ DISTANCE = (
         Kind.SWITCH,
         False,
         "Ignore Height",
-        "Measure seen from above, so that a path need not lie on the ground",
+        "Ignore the height when measuring, so that a path need not lie on the ground",
         under="use_distance",
     ),
     _number(

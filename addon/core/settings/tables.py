@@ -154,7 +154,7 @@ _BAKE = (
         Kind.CHOICE,
         "AUTO",
         "Attach To",
-        "What the points are attached to while the surface deforms",
+        "Geometry that the points are attached to while the surface deforms",
         Changes.INDIRECTLY,
         choices=_BIND_TO,
         own_words=True,
@@ -164,7 +164,7 @@ _BAKE = (
         Kind.CHOICE,
         "KEEP_COUNT",
         "Population",
-        "What a bake preserves while the surface grows and shrinks",
+        "Quantity that a bake preserves while the surface grows and shrinks",
         Changes.BAKE,
         choices=(
             ("KEEP_COUNT", "Keep Count", "The same points in all frames"),
@@ -193,15 +193,15 @@ _BAKE = (
         Kind.CHOICE,
         "EACH_FRAME",
         "Masks",
-        "Of which frames a bake takes the density: masks, avoided objects and scatters, the "
-        "camera, attributes and images",
+        "Frames at which a bake evaluates the density: masks, avoided objects and "
+        "scatters, the camera, attributes and images",
         Changes.BAKE,
         choices=(
             (
                 "EACH_FRAME",
                 "Each Frame",
-                "As it is on each frame: points leave what they have to avoid. Noise, Border and "
-                "Curvature stay on the surface as on the first frame",
+                "As it is on each frame: points leave areas that they avoid. Noise, "
+                "Border and Curvature stay on the surface as on the first frame",
             ),
             (
                 "FIRST_FRAME",
@@ -217,8 +217,8 @@ _BAKE = (
         Kind.CHOICE,
         "STOP",
         "New Topology",
-        "What to do if the faces of the surface are not those that the points are attached to, "
-        "at the start of a bake or in a later frame",
+        "Action if the faces of the surface differ from those that the points are "
+        "attached to, at the start of a bake or in a later frame",
         Changes.NOTHING,
         choices=(
             ("STOP", "Stop", "Stop with an error message that names the frame"),
@@ -243,8 +243,8 @@ _UPDATES = (
         Kind.CHOICE,
         "AUTOMATIC",
         "Auto Update",
-        "When the points follow changes of the settings, the surface and what they avoid by "
-        "themselves",
+        "When the points automatically follow changes of the settings, the surface and "
+        "avoided objects",
         Changes.NOTHING,
         choices=(
             ("AUTOMATIC", "Automatic", "While the last solution took less than a second"),

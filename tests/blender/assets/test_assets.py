@@ -361,7 +361,7 @@ def test_the_library_is_added_once_and_removed(library, assets, capfd):
     assert "dapple.add_asset_library" in drawn()
     assert bpy.ops.dapple.add_asset_library() == {"FINISHED"}
     assert bpy.ops.dapple.add_asset_library() == {"FINISHED"}
-    assert "The asset library 'Dapple' is there already" in capfd.readouterr().out
+    assert "The asset library 'Dapple' already exists" in capfd.readouterr().out
     assert libraries() == [*before, assets.parent]
     assert drawn()[-2:] == ["dapple.remove_asset_library", "remove_library"]
     assert bpy.ops.dapple.remove_asset_library() == {"FINISHED"}

@@ -98,7 +98,7 @@ def test_nothing_else_begins_meanwhile_and_that_is_said(artist, obj):
         "discard_unfinished_bake",
     ):
         assert not getattr(bpy.ops.dapple, name).poll()
-    with pytest.raises(RuntimeError, match="'Bake' is still going on: cancel it, or wait"):
+    with pytest.raises(RuntimeError, match="'Bake' is still running: cancel it or wait"):
         bpy.ops.dapple.optimize()
     assert bpy.ops.dapple.cancel_update.poll()
     artist.finish()
