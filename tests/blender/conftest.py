@@ -23,8 +23,10 @@ import bpy  # noqa: E402 - after the environment is set, before Blender's own mo
 
 sys.path[:0] = [str(HERE), *(str(one) for one in HERE.iterdir() if one.is_dir())]
 import addon_host  # noqa: E402
+import child  # noqa: E402
 import following  # noqa: E402
 import pressing  # noqa: E402
+import probe  # noqa: E402
 
 _status = [1]  # replaced by the result of the tests
 _TAKEN = os.environ.get("DAPPLE_TAKEN")
@@ -102,6 +104,33 @@ def artist():
     """Buttons of long work as in a Blender with windows, driven by hand."""
     with pressing.windowed() as pressed:
         yield pressed
+
+
+@pytest.fixture
+def overlay(monkeypatch):
+    """The module of the density as colors, which waits for no pause in changes."""
+    module = addon_host.part("blender.density.overlay")
+    monkeypatch.setattr(module, "PAUSE", 0.0)
+    return module
+
+
+@pytest.fixture
+def steps():
+    """The module of work in steps."""
+    return addon_host.part("core.base.steps")
+
+
+@pytest.fixture
+def engine():
+    """The render engine that notes what a render gets."""
+    with probe.registered():
+        yield
+
+
+@pytest.fixture(scope="session")
+def blender(tmp_path_factory):
+    """Blender as a program, or what stands in for it."""
+    return child.program(tmp_path_factory.mktemp("program"))
 
 
 @pytest.fixture

@@ -24,12 +24,6 @@ FRAMES = 24
 NAME = "Scales"
 
 
-@pytest.fixture(scope="module")
-def blender(tmp_path_factory):
-    """Blender as a program, or what stands in for it."""
-    return child.program(tmp_path_factory.mktemp("program"))
-
-
 @pytest.fixture
 def shot(tmp_path):
     """A saved file of a scatter on a body that moves."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-TESTS = sorted((Path(__file__).resolve().parents[1] / "blender").glob("*.py"))
+TESTS = sorted((Path(__file__).resolve().parents[1] / "blender").rglob("*.py"))
 OTHERS = {  # private names of other packages, which offer nothing else
     "_actions",
     "_asdict",
@@ -21,11 +21,15 @@ OTHERS = {  # private names of other packages, which offer nothing else
 
 
 def private_names(path):
-    """Private attributes of anything but the test's own `self` and `cls`, by line."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    """Private attributes by line, but for those of a class of the test itself."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    inside = {id(node) for one in classes for node in ast.walk(one)}
+    for node in ast.walk(tree):
         if not isinstance(node, ast.Attribute) or not node.attr.startswith("_"):
             continue
-        own = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
+        named = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
+        own = named and id(node) in inside
         if not own and not node.attr.startswith("__") and node.attr not in OTHERS:
             yield f"{path.name}:{node.lineno}: {node.attr}"
 

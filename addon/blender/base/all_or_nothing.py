@@ -19,7 +19,7 @@ _Call = Callable[[], Any]
 
 @dataclass
 class _State:
-    open: bool = False  # whether something is done that may have to be put back
+    open: bool = False  # whether there are changes that may have to be undone
     later: list[_Call] = field(default_factory=list)
 
 
@@ -51,12 +51,12 @@ def all_or_nothing(
 
 
 def is_open() -> bool:
-    """Whether something is done that may have to be put back."""
+    """Whether there are changes that may have to be undone."""
     return _state.open or bool(_state.later)
 
 
 def once_done(call: _Call) -> None:
-    """Do what cannot be taken back once all else is done: at once, if nothing is under way."""
+    """Call at the end, once nothing can fail any more; at once if no operator is running."""
     if _state.open:
         _state.later.append(call)
     else:
@@ -70,7 +70,7 @@ def _do_later() -> None:
 
 
 def sentence(label: str, error: Exception) -> str:
-    """Why an operator has failed; where it was not foreseen, the console says more."""
+    """The error message of an operator; the console has details of unexpected errors."""
     if isinstance(error, (ScatterError, StoppedError)):
         return str(error)
     if isinstance(error, OSError) and error.filename:
@@ -89,7 +89,7 @@ def tried(
     work: Callable[[], Status | None],
     objects: Callable[[], Iterable[bpy.types.Object]] = list,
 ) -> Status:
-    """What an operator returns once its work is done, or has failed and was put back."""
+    """The status of an operator after its work, which is undone if it failed."""
     try:
         with all_or_nothing(context, objects()):
             status = work()
@@ -107,13 +107,13 @@ class AllOrNothing:
     report: Callable[[set[str], str], None]
 
     def work(self, context: bpy.types.Context) -> Status | None:
-        """What is done; None is FINISHED."""
+        """Do the work; None means FINISHED."""
         raise NotImplementedError
 
     def concerned(self, context: bpy.types.Context) -> list[bpy.types.Object]:
-        """Objects that are written beside the active one; ScatterError if there are none."""
+        """Objects that are written besides the active one; ScatterError if there are none."""
         return []
 
     def execute(self, context: bpy.types.Context) -> Status:
-        """Do the work, or nothing."""
+        """Do the work or change nothing."""
         return tried(self, context, lambda: self.work(context), lambda: self.concerned(context))

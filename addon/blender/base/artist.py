@@ -37,7 +37,7 @@ def is_using_tool() -> bool:
 
 
 def last_operator() -> int:
-    """What tells apart the operators that were finished: buttons and tools, no dragged values."""
+    """An identifier of the last finished operator: a button or tool, not a dragged value."""
     return max((one.as_pointer() for one in _finished()), default=0)
 
 

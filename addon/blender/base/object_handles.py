@@ -7,14 +7,14 @@ from ...core.base.errors import ScatterError
 
 
 class Held:
-    """An object across steps, without a reference that an undo would leave dangling."""
+    """A handle of an object across steps, without a reference that an undo would invalidate."""
 
     def __init__(self, obj: bpy.types.Object) -> None:
         self.uid, self.name = obj.session_uid, obj.name
 
     def get(self) -> bpy.types.Object:
         """The object; ScatterError if it is gone."""
-        named = bpy.data.objects.get(self.name)  # looking through all of them takes its time
+        named = bpy.data.objects.get(self.name)  # a search through all objects is slow
         if named is not None and named.session_uid == self.uid:
             return named
         for obj in bpy.data.objects:

@@ -23,18 +23,18 @@ from .sidebars import redraw
 from .timers import call_within
 from .translation import operator_label, reported, told
 
-_POLL = 0.005  # seconds between two looks at the worker
-_PART = 0.03  # seconds of a look in which the artist waits
-PAUSED = 0.1  # seconds between two looks whether a pause is over
-REST = 1.0  # seconds without another frame, after which the artist has found the one to look at
-_SAID = 8.0  # seconds for which the status bar shows how it has ended
+_POLL = 0.005  # seconds between two checks of the worker
+_PART = 0.03  # seconds that one call may take, during which the artist waits
+PAUSED = 0.1  # seconds between two checks whether a pause is over
+REST = 1.0  # seconds without a frame change after which scrubbing has ended
+_SAID = 8.0  # seconds for which the status bar shows the outcome
 
 Said = list[tuple[str, str]]  # (INFO, WARNING or ERROR, text)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What was made, and what is to be said of it."""
+    """The result of the work and messages about it."""
 
     obj: bpy.types.Object
     said: Said = field(default_factory=list)
@@ -42,16 +42,17 @@ class Outcome:
 
 @dataclass
 class Work:
-    """What is to be done."""
+    """The work of an operator."""
 
     label: str  # of the operator, in English
-    about: Held  # the object in whose panel it is said how it ends
+    about: Held  # the object in whose panel the outcome is shown
     steps: Steps
-    done: Callable[[bpy.types.Context, Any, bpy.types.Object], Outcome]  # what follows
-    watched: dict[int, str] = field(default_factory=dict)  # what has to stay: names by session_uid
+    done: Callable[[bpy.types.Context, Any, bpy.types.Object], Outcome]  # called with the result
+    # Names of data-blocks that must not change, by session_uid.
+    watched: dict[int, str] = field(default_factory=dict)
     scene: int = 0  # its session_uid
     window: int = 0  # its address
-    why: str = ""  # what has stopped it, if that was not the artist's wish
+    why: str = ""  # reason for a cancellation that the artist did not request
     shown: str = ""
     job: Job = field(init=False)
 
@@ -67,7 +68,7 @@ class Work:
         )
 
     def line(self) -> str:
-        """How far it is, or why it pauses."""
+        """Progress, or the reason for a pause."""
         work = operator_label(self.label)
         why = pause()
         if why:
@@ -92,21 +93,22 @@ class _State:
     """What the timer and the handlers share."""
 
     work: Work | None = None
-    stepping: bool = False  # what changes now is changed by the work itself
-    frame_changed: float = 0.0  # by the artist, by the monotonic clock
-    notes: dict[int, Said] = field(default_factory=dict)  # how work has ended, by session_uid
+    stepping: bool = False  # whether changes come from the work itself
+    frame_changed: float = 0.0  # time of the artist's last frame change, monotonic
+    # Messages about finished work, by session_uid.
+    notes: dict[int, Said] = field(default_factory=dict)
 
 
 _state = _State()
 
 
 def current() -> Work | None:
-    """The work that goes on."""
+    """The running work."""
     return _state.work
 
 
 def begin(context: bpy.types.Context, work: Work) -> None:
-    """Do the first step now and the others from a timer; what is wrong at once is raised."""
+    """Do the first step now and the others from a timer; errors of the first step are raised."""
     _state.notes.pop(work.about.uid, None)
     work.scene = context.scene.session_uid
     work.window = context.window.as_pointer() if context.window else 0
@@ -122,14 +124,14 @@ def begin(context: bpy.types.Context, work: Work) -> None:
 
 
 def cancel(why: str = "") -> None:
-    """Have the work end; nothing is written."""
+    """Cancel the work; nothing is written."""
     if _state.work is not None:
         _state.work.why = _state.work.why or why
         _state.work.job.cancel()
 
 
 def notes(obj: bpy.types.Object) -> Said:
-    """How the last work on an object has ended, as far as there is something to say."""
+    """Messages about the last work on an object."""
     return notes_of(obj.session_uid)
 
 
@@ -139,13 +141,13 @@ def notes_of(uid: int) -> Said:
 
 
 def dismiss(obj: bpy.types.Object) -> None:
-    """Say no more how it has ended."""
+    """Remove the messages about an object."""
     _state.notes.pop(obj.session_uid, None)
     redraw()
 
 
 def pause() -> str:
-    """Why nothing is read or written now; empty where nothing hinders that."""
+    """The reason why nothing may be read or written now; empty if there is none."""
     if renders.busy():
         return told("Blender renders")
     if artist.is_playing():
@@ -158,7 +160,7 @@ def pause() -> str:
 
 
 def tick() -> float | None:
-    """Go on; seconds until the next time, None to end."""
+    """Continue the work; returns seconds until the next call, None to end."""
     work = _state.work
     if work is None:
         return None
@@ -178,13 +180,13 @@ def tick() -> float | None:
 
 
 def _advance(work: Work) -> bool:
-    """As many steps as a look has time for; True when it has ended."""
+    """Do the steps for which there is time; returns whether the work has ended."""
     if work.job.waits:
         return False
     if bpy.context.scene.session_uid != work.scene:
         cancel(reported("Another scene is shown"))
     for layer in _shown_layers():
-        layer.update()  # what the artist has changed is noticed as such
+        layer.update()  # notices changes of the artist
     with _own_changes():
         return work.job.go_on(_PART)
 
@@ -201,14 +203,14 @@ def _own_changes() -> Iterator[None]:
 
 
 def _shown_layers() -> list[bpy.types.ViewLayer]:
-    """Those that Blender evaluates: what is changed counts in all of them."""
+    """The view layers that Blender evaluates; changes in any of them count."""
     windows = bpy.context.window_manager.windows
     return [bpy.context.view_layer, *(window.view_layer for window in windows)]
 
 
 @contextmanager
 def _where_it_began(work: Work) -> Iterator[None]:
-    """With the window of the work, as an operator has one; another one if that was closed."""
+    """Use the window in which the work began, or another one if that was closed."""
     with bpy.context.temp_override(window=_window(work)):
         yield
 
@@ -220,7 +222,7 @@ def _window(work: Work) -> bpy.types.Window | None:
 
 
 def _end(uid: int, said: Said) -> None:
-    """Show how the work has ended, in the panel of an object."""
+    """End the work and show messages in the panel of an object."""
     _leave()
     _state.notes[uid] = said
     _write_status(" ".join(text for _, text in said))
@@ -230,7 +232,7 @@ def _end(uid: int, said: Said) -> None:
 
 
 def _leave() -> None:
-    """Stop the worker, and put back what was changed for a while."""
+    """Stop the worker and restore temporary changes."""
     work, _state.work = _state.work, None
     if work is not None:
         work.job.close()
@@ -255,7 +257,7 @@ def _clear_status() -> None:
 
 
 def _updated(evaluation: Evaluation) -> None:
-    """End the work if the artist has changed what has to stay."""
+    """Cancel the work if watched data has changed."""
     work = _state.work
     if work is None or _state.stepping or not work.watched:
         return
@@ -271,7 +273,7 @@ def _frame_changed(_evaluation: Evaluation) -> None:
 
 
 def _undone() -> None:
-    """An undo may have brought back anything."""
+    """An undo may have changed anything."""
     _state.notes.clear()
     if _state.work is not None and _state.work.watched:
         cancel(reported("A step was undone or redone"))

@@ -20,16 +20,16 @@ from .renders import busy
 from .sidebars import redraw
 from .timers import call_within
 
-_PAUSE = 0.2  # seconds until the next look, while Blender renders or solves
-_MOST = 64  # found values that are kept beyond those that were just asked for
+_PAUSE = 0.2  # seconds until the next check while Blender renders or solves
+_MOST = 64  # values that are kept besides those in use
 
 at_once = bpy.app.background
-Find = Callable[[Any], Any]  # of an object, or of None where it is of no object
+Find = Callable[[Any], Any]  # takes the object, or None
 
 
 @dataclass
 class _Note:
-    """What was asked for, and what was found last."""
+    """A requested value."""
 
     find: Find
     held: Held | None
@@ -37,19 +37,19 @@ class _Note:
     asked: bool = True
 
 
-_notes: dict[tuple[int, int], _Note] = {}  # by what is asked and the session_uid of what
+_notes: dict[tuple[int, int], _Note] = {}  # by request and the session_uid of the object
 
 
 # Not generic over what is found: typing keeps such classes until Python ends, and with them bpy's,
 # so that Python never closes bpy.
 class Prepared:
-    """Something that panels show, of an object or of none."""
+    """A value that panels show, of an object or of none."""
 
     def __init__(self, find: Find, before: Any) -> None:
         self._find, self._before = find, before
 
     def of(self, obj: bpy.types.Object | None = None) -> Any:
-        """What was found last; before the first time, what stands for it."""
+        """The last known value; the default until it is known."""
         if at_once:
             return self._find(obj)
         key = id(self), obj.session_uid if obj is not None else 0
@@ -63,12 +63,12 @@ class Prepared:
 
 
 def known_objects() -> set[str]:
-    """Names of the objects of which something is known."""
+    """Names of the objects with known values."""
     return {note.held.name for note in _notes.values() if note.held is not None}
 
 
 def tick() -> float | None:
-    """Look for what was asked for; seconds until the next time, None to end."""
+    """Find requested values; returns seconds until the next call, None to end."""
     if busy() or step_operators.is_under_way():
         return _PAUSE
     _tidy()

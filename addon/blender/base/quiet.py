@@ -17,13 +17,13 @@ _state = _State()
 
 
 def is_quiet() -> bool:
-    """Whether what Blender evaluates now is nobody's change."""
+    """Whether current changes are temporary ones of the add-on."""
     return _state.quiet
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Have what is changed inside be nobody's change; what was changed before still is one."""
+    """Mark changes inside as temporary; earlier changes still count."""
     bpy.context.view_layer.update()
     _state.quiet = True
     try:

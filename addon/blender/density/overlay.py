@@ -33,7 +33,7 @@ from .shown_term import Asked, asked_of, legend_of, watched_by
 PAUSE = 0.2  # seconds without a change before the colors are computed
 _POLL = 0.01  # seconds between two looks at the worker
 _LABEL = "Show Density"
-_PART = 300_000  # corners that are handed to the graphics card at a time
+_PART = 300_000  # corners uploaded to the graphics card at a time
 _NOTHING = Colored(np.empty((0, 3), np.float32), np.empty((0, 4), np.float32), 0.0)
 Part = tuple[Singles, Singles]  # positions and colors of corners
 
@@ -44,15 +44,16 @@ class _Shown:
 
     scatter: Held | None = None
     asked: Asked | None = None
-    watched: frozenset[int] = frozenset()  # session_uids of what else the colors depend on
+    watched: frozenset[int] = frozenset()  # session_uids of data that the colors depend on
     colored: Colored = _NOTHING
-    legend: tuple[str, str, str] | None = None  # title, what its ends stand for
-    batches: list[Any] = field(default_factory=list)  # that are drawn
-    waiting: list[Part] = field(default_factory=list)  # for the graphics card
-    coming: list[Any] = field(default_factory=list)  # batches of the newest, until all are there
-    job: Job | None = None  # what goes on
-    changed: float = 0.0  # when, by the monotonic clock; 0: not since it was computed
-    said: str = ""  # why it ended
+    legend: tuple[str, str, str] | None = None  # title, and the meaning of both ends
+    batches: list[Any] = field(default_factory=list)  # drawn batches
+    waiting: list[Part] = field(default_factory=list)  # parts to be uploaded
+    # Batches of the newest colors until all are uploaded.
+    coming: list[Any] = field(default_factory=list)
+    job: Job | None = None  # the running computation
+    changed: float = 0.0  # time of the last change, monotonic; 0 if the colors are current
+    said: str = ""  # reason why it ended
     handles: tuple[Any, ...] = ()
 
 
@@ -65,7 +66,7 @@ def is_on(obj: bpy.types.Object) -> bool:
 
 
 def note() -> str:
-    """Why the density is shown no more, or not yet; empty when nothing is to be said."""
+    """Why the density is not shown, or not yet; empty if it is."""
     if _shown.scatter is not None and _shown.legend is None:
         return told("The density is being computed")
     return _shown.said
@@ -106,28 +107,28 @@ def stop() -> None:
 
 
 def touch(obj: bpy.types.Object) -> None:
-    """Something changed that a scatter's density may depend on."""
+    """Data has changed that a scatter's density may depend on."""
     if is_on(obj):
         _shown.changed = time.monotonic()
 
 
 def is_computing() -> bool:
-    """Whether other colors are on their way, or wanted."""
+    """Whether new colors are being computed or will be."""
     return _shown.job is not None or bool(_shown.changed)
 
 
 def triangles() -> tuple[Singles, Singles]:
-    """What is drawn: corners (3 m, 3) in world space and their colors (3 m, 4)."""
+    """The drawn triangles: corners (3 m, 3) in world space and their colors (3 m, 4)."""
     return _shown.colored.positions, _shown.colored.colors
 
 
 def legend() -> tuple[str, str, str] | None:
-    """What the legend says: what is shown, and what both ends of its colors stand for."""
+    """The title of the legend and the meaning of both ends of its colors."""
     return _shown.legend
 
 
 def _begin() -> None:
-    """Compute the colors anew."""
+    """Compute the colors again."""
     _give_up()
     assert _shown.scatter is not None
     obj = _shown.scatter.get()
@@ -170,7 +171,7 @@ def _give_up() -> None:
 
 
 def tick() -> float | None:
-    """Begin or go on; seconds until the next time, None to end."""
+    """Start or continue the computation; returns seconds until the next call, None to end."""
     if _shown.scatter is None:
         return None
     if busy():
@@ -189,7 +190,7 @@ def tick() -> float | None:
 
 
 def _look(obj: bpy.types.Object) -> None:
-    """Begin anew once something has changed and nothing more does."""
+    """Start the computation once nothing has changed for a moment."""
     if asked_of(obj) != _shown.asked and not _shown.changed:
         _shown.changed = time.monotonic()
     if _shown.changed and time.monotonic() - _shown.changed >= PAUSE:
@@ -197,7 +198,7 @@ def _look(obj: bpy.types.Object) -> None:
 
 
 def draw() -> None:
-    """Draw what is there; hand a part of what is new to the graphics card."""
+    """Draw the batches; upload one part of the newest colors."""
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
     _upload(shader)
     gpu.state.blend_set("ALPHA")
@@ -214,7 +215,7 @@ def _draw_legend() -> None:
 
 
 def _parts(positions: Singles, colors: Singles) -> list[Part]:
-    """So many corners as are handed over at a time."""
+    """The corners in parts that are uploaded at a time."""
     firsts = range(0, len(positions), _PART)
     return [(positions[k : k + _PART], colors[k : k + _PART]) for k in firsts]
 
@@ -245,7 +246,8 @@ def _updated(evaluation: Evaluation) -> None:
     if _shown.scatter is None:
         return
     seen = {one.uid for one in evaluation.updates}
-    if not seen or seen & _shown.watched:  # pixels that were changed by a script name nothing
+    # A script that changes pixels causes an update without names.
+    if not seen or seen & _shown.watched:
         _shown.changed = time.monotonic()
 
 

@@ -27,8 +27,8 @@ from ..scatter.points import own_points
 from ..surface.polls import ready
 from .preview_steps import Preview, begin_steps, clear_bindings, follow_steps
 
-_TICK = 0.05  # seconds between two looks at the surface
-_POLL = 0.005  # seconds between two looks at a worker
+_TICK = 0.05  # seconds between two checks of the surface
+_POLL = 0.005  # seconds between two checks of a worker
 _LABEL = "Live Preview"
 
 
@@ -39,7 +39,7 @@ class _State:
     previews: dict[int, Preview]  # by the scatter's session_uid
     dirty: bool = False
     undone: bool = False  # an undo may have brought back a preview that is off
-    said: str = ""  # why a preview ended by itself
+    said: str = ""  # reason why a preview ended by itself
 
 
 _state = _State({})
@@ -51,7 +51,7 @@ def is_on(obj: bpy.types.Object) -> bool:
 
 
 def is_settled() -> bool:
-    """Whether the points of all previews are those of their surfaces."""
+    """Whether all previews are up to date with their surfaces."""
     return not _state.dirty and all(one.job is None for one in _state.previews.values())
 
 
@@ -63,7 +63,7 @@ def stop_all() -> None:
 
 
 def note(obj: bpy.types.Object) -> str:
-    """What the panel says about a scatter's preview."""
+    """The state of a scatter's preview, for the panel."""
     if not is_on(obj):
         return _state.said
     follower = _state.previews[obj.session_uid].follower
@@ -100,7 +100,7 @@ def stop(obj: bpy.types.Object) -> None:
 
 
 def solved_anew(obj: bpy.types.Object) -> None:
-    """Have a scatter's preview, if there is one, begin from the points that it has now."""
+    """Restart a scatter's preview, if there is one, from its current points."""
     preview = _state.previews.get(obj.session_uid)
     clear_bindings(keep=_state.previews)
     if preview is not None:
@@ -115,7 +115,7 @@ def _begin_anew(preview: Preview) -> None:
 
 
 def tick() -> float | None:
-    """Look at the surfaces that are previewed; seconds until the next look, None to end."""
+    """Check the surfaces of previews; returns seconds until the next call, None to end."""
     if _state.undone and not busy():
         _state.undone = False
         clear_bindings(keep=_state.previews)
@@ -131,9 +131,9 @@ def tick() -> float | None:
 
 
 def _look(preview: Preview, dirty: bool) -> None:
-    """Go on with what goes on; else begin if the surface may be another one."""
+    """Continue a preview's job, or start one if its surface may have changed."""
     if preview.job is not None:
-        _state.dirty |= dirty  # to be looked at when that is done
+        _state.dirty |= dirty  # checked when the job is done
     elif _has_other_surface(preview):
         _begin_anew(preview)
     elif dirty:
@@ -154,7 +154,7 @@ def _job(preview: Preview, steps: Steps) -> Job:
 
 
 def _has_other_surface(preview: Preview) -> bool:
-    """Whether the artist has chosen another surface, or deleted one of both."""
+    """Whether another surface was chosen, or one of both objects deleted."""
     try:
         surface = preview.scatter.get().dapple.surface
     except ScatterError:
@@ -163,7 +163,7 @@ def _has_other_surface(preview: Preview) -> bool:
 
 
 def _give_up(uid: int) -> None:
-    """Forget a preview, and what its worker still finds."""
+    """End a preview and abandon its worker."""
     preview = _state.previews.pop(uid, None)
     if preview is not None and preview.job is not None:
         preview.job.abandon()
@@ -204,8 +204,8 @@ SUBSCRIBER = Subscriber(
     render_ended=_touched,
     undone=_undone,
     before_load=_before_load,
-    loaded=clear_bindings,  # a file that was saved while it recovered may show a preview
-    before_save=stop_all,  # what is saved shows the bake or the stored binding
+    loaded=clear_bindings,  # a file saved during recovery may contain a preview
+    before_save=stop_all,  # the saved file shows the bake or the stored binding
     disabled=_disabled,
     ticks=(tick,),
 )

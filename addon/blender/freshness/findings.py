@@ -24,22 +24,22 @@ from .scene_snapshot import AROUND, Present, depends_on
 from .staleness import Verdict, verdict
 from .unfinished_bakes import all_work_files, left_over, unfinished
 
-PAUSE = 0.2  # seconds without a change before the timer looks, or more where looking takes long
-PATIENCE = 5.0  # so much longer than looking took is the pause
-RARELY = 20.0  # the same for glances
-GLANCE = 2.0  # seconds between two glances at a picture, or more likewise
+PAUSE = 0.2  # seconds without a change before a check, or more if checks take long
+PATIENCE = 5.0  # ratio of that pause to the duration of a check
+RARELY = 20.0  # the same for images
+GLANCE = 2.0  # seconds between two checks of an image, or more if they take long
 
 at_once = bpy.app.background
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What is known of a result."""
+    """The known state of a result."""
 
     verdict: Verdict
-    unfinished: int  # solved frames that Bake would go on from
-    left_over: int  # those that are of no use
-    files: bool  # whether there are any work files
+    unfinished: int  # solved frames from which Bake continues
+    left_over: int  # frames that no bake can use
+    files: bool  # whether there are any files of unfinished bakes
 
 
 @dataclass
@@ -51,17 +51,18 @@ class _Asked:
     depends: dict[int, tuple[str, ...]] = field(default_factory=dict)  # by session_uid
     findings: Findings | None = None
     doubtful: bool = True
-    picture: tuple[Any, str] = (None, "")  # what is quickly compared of a picture, and its digest
+    # Properties of the image that are compared quickly, and its digest.
+    picture: tuple[Any, str] = (None, "")
 
 
 @dataclass
 class _State:
     """What the timer, the handlers and the panel share; file data is always looked up anew."""
 
-    asked: dict[int, _Asked] = field(default_factory=dict)  # by the scatter's session_uid
-    changed: float = 0.0  # when, by the monotonic clock
-    took: float = 0.0  # seconds of the last look
-    glanced: float = 0.0  # when pictures were looked at
+    asked: dict[int, _Asked] = field(default_factory=dict)  # by the session_uid of the scatter
+    changed: float = 0.0  # time of the last change, monotonic
+    took: float = 0.0  # seconds that the last check took
+    glanced: float = 0.0  # time of the last check of images
     glance_took: float = 0.0
 
 
@@ -69,7 +70,7 @@ _state = _State()
 
 
 def findings(obj: bpy.types.Object, context: bpy.types.Context) -> Findings | None:
-    """What is known of a scatter; None while that is to be found yet."""
+    """The known state of a scatter; None until it has been found."""
     if at_once:
         return _find(obj, context, Present())
     one = _state.asked.get(obj.session_uid)
@@ -81,12 +82,12 @@ def findings(obj: bpy.types.Object, context: bpy.types.Context) -> Findings | No
 
 
 def is_watching() -> bool:
-    """Whether some scatter is followed, because the panel shows it."""
+    """Whether the panel shows some scatter, so that it is checked."""
     return bool(_state.asked)
 
 
 def has_work_files(obj: bpy.types.Object, context: bpy.types.Context) -> bool:
-    """Whether bakes of a scatter have left any; True while that is to be found yet."""
+    """Whether there are files of unfinished bakes; True until that is known."""
     if at_once:
         return bool(all_work_files(obj))
     known = findings(obj, context)
@@ -94,13 +95,13 @@ def has_work_files(obj: bpy.types.Object, context: bpy.types.Context) -> bool:
 
 
 def touch(obj: bpy.types.Object) -> None:
-    """Something of a scatter changed that no handler notices."""
+    """A scatter has changed in a way that no handler notices."""
     if obj.session_uid in _state.asked:
         _doubt(_state.asked[obj.session_uid])
 
 
 def tick() -> float | None:
-    """Look again where something changed; seconds until the next time, None to end."""
+    """Check scatters that may have changed; returns seconds until the next call, None to end."""
     wait = max(PAUSE, PATIENCE * _state.took) - (time.monotonic() - _state.changed)
     if _busy() or wait > 0.0:
         return max(wait, PAUSE)
@@ -143,7 +144,7 @@ def _picture(one: _Asked) -> bpy.types.Image | None:
 
 
 def _glance_at_pictures() -> None:
-    """Doubt what a picture is for, where it may have been painted: no handler notices that."""
+    """Check whether images were painted, for which Blender has no handler."""
     pause = max(GLANCE, RARELY * _state.glance_took)
     if time.monotonic() - _state.glanced < pause:
         return
@@ -157,7 +158,7 @@ def _glance_at_pictures() -> None:
 
 
 def _glance(one: _Asked, image: bpy.types.Image) -> None:
-    """A picture that has changes is read; one that is as on the disk is not."""
+    """An image is read only if it has unsaved changes or its file changed."""
     token = (image.session_uid, image.is_dirty, image.filepath, image.source, tuple(image.size))
     if token == one.picture[0] and not image.is_dirty:
         return
@@ -175,17 +176,17 @@ def _doubt(one: _Asked) -> None:
 
 
 def _wake() -> None:
-    """Have the timer look soon, which may sleep between two glances."""
+    """Call the timer soon; it may be waiting for the next check of images."""
     call_in(PAUSE, tick)
 
 
 def _busy() -> bool:
-    """Whether Blender renders, plays the animation or solves."""
+    """Whether Blender renders, plays the animation or runs an operator of the add-on."""
     return renders.busy() or step_operators.is_under_way() or artist.is_playing()
 
 
 def _updated(evaluation: Evaluation) -> None:
-    """Note which of what the shown scatters depend on was changed."""
+    """Mark the scatters that depend on edited data."""
     if not _state.asked:
         return
     touched = {one.uid: one.is_edited for one in evaluation.updates}

@@ -34,19 +34,19 @@ from ..display import preview
 from .changes import NOBODY, Cause, Changes, follows, scatters
 from .optimize import optimize_steps
 
-_POLL = 0.005  # seconds between two looks at a worker
-_PART = 0.01  # seconds of a look in which the artist waits
-_HELD = 0.1  # seconds between two looks whether what holds it up is over
-_TOOL = 0.02  # the same while the artist uses a tool, and waits for what follows
+_POLL = 0.005  # seconds between two checks of a worker
+_PART = 0.01  # seconds that one call may take, during which the artist waits
+_HELD = 0.1  # seconds between two checks whether the file is free again
+_TOOL = 0.02  # the same while the artist uses a tool and waits for the result
 
 enabled = not bpy.app.background
 
 
 @dataclass(frozen=True)
-class _Wish:
-    """What the artist has asked for."""
+class _Request:
+    """A request of the artist."""
 
-    step: str  # name of the undo step, as that of its button
+    step: str  # name of the undo step: the label of the button
     deletes_keyframes: bool
 
 
@@ -55,21 +55,21 @@ class _Update:
     """A scatter that is being solved."""
 
     scatter: Held
-    cause: Cause  # itself and the scatters because of which it is
-    wish: _Wish | None  # None: it follows a change
+    cause: Cause  # the scatter itself and the scatters that caused its update
+    request: _Request | None  # None: the update follows a change
     job: Job = field(init=False)
-    shown: int = -1  # hundredths that the panel shows
+    shown: int = -1  # percent shown by the panel
 
     def __post_init__(self) -> None:
         asked, deletes_keyframes = (
-            self.wish is not None,
-            self.wish is not None and self.wish.deletes_keyframes,
+            self.request is not None,
+            self.request is not None and self.request.deletes_keyframes,
         )
         steps = optimize_steps(self.scatter, asked=asked, deletes_keyframes=deletes_keyframes)
         self.job = Job("Optimize", steps, self._done, self._failed, self._stopped, whole=False)
 
     def writes(self) -> dict[int, Cause]:
-        """The cause of changes of what it writes, by session_uid."""
+        """The causes of changes to the data that this update writes, by session_uid."""
         try:
             obj = self.scatter.get()
         except ScatterError:  # it was removed
@@ -83,14 +83,14 @@ class _Update:
             return ""
         _state.changes.wrote(self.writes())
         follow_up(self.scatter.get())
-        return self.wish.step if self.wish else ""
+        return self.request.step if self.request else ""
 
     def _failed(self, why: str) -> None:
         _end(self)
-        _state.troubles[self.scatter.uid] = why
+        _state.failures[self.scatter.uid] = why
 
     def _stopped(self, _why: str) -> None:
-        """A render or an operator took its place: it has its turn again afterward."""
+        """A render or an operator has stopped it: it is scheduled again."""
         _state.update = None
         _state.schedule.change(self.scatter.uid)
 
@@ -102,16 +102,17 @@ class _State:
     schedule: Schedule = field(default_factory=Schedule)
     changes: Changes = field(default_factory=Changes)
     update: _Update | None = None
-    caused: dict[int, Cause] = field(default_factory=dict)  # by which updates
-    troubles: dict[int, str] = field(default_factory=dict)  # why a scatter could not be solved
-    asked: dict[int, _Wish] = field(default_factory=dict)  # for a solution from the seed
+    caused: dict[int, Cause] = field(default_factory=dict)  # why each scheduled scatter is updated
+    # Reasons why scatters could not be solved.
+    failures: dict[int, str] = field(default_factory=dict)
+    asked: dict[int, _Request] = field(default_factory=dict)  # requested solutions from the seed
 
 
 _state = _State()
 
 
 def progress(obj: bpy.types.Object) -> float | None:
-    """How much of a scatter's update is done, in [0, 1]; None: it waits for none."""
+    """The progress of a scatter's update in [0, 1]; None if none is pending."""
     update = _state.update
     if update is not None and update.scatter.uid == obj.session_uid:
         return update.job.progress
@@ -119,12 +120,12 @@ def progress(obj: bpy.types.Object) -> float | None:
 
 
 def trouble(obj: bpy.types.Object) -> str:
-    """Why the last update of a scatter failed; empty when it did not."""
-    return _state.troubles.get(obj.session_uid, "")
+    """The reason why the last update of a scatter failed; empty if it succeeded."""
+    return _state.failures.get(obj.session_uid, "")
 
 
 def touch(obj: bpy.types.Object) -> None:
-    """A setting of a scatter was changed: of what it depends, too."""
+    """A setting of a scatter has changed, perhaps what the scatter depends on."""
     if enabled and not is_quiet():
         _state.changes.relink()
         _change(obj.session_uid)
@@ -138,7 +139,7 @@ def ask(obj: bpy.types.Object, step: str = "Optimize") -> None:
     """
     forget(obj)
     _change(obj.session_uid)
-    _state.asked[obj.session_uid] = _Wish(step, obj.dapple.baked_keys > 0)
+    _state.asked[obj.session_uid] = _Request(step, obj.dapple.baked_keys > 0)
     _state.schedule.hurry(obj.session_uid)
     _state.changes.relink()
     _wake()
@@ -146,12 +147,12 @@ def ask(obj: bpy.types.Object, step: str = "Optimize") -> None:
 
 
 def is_asked(obj: bpy.types.Object) -> bool:
-    """Whether a scatter is solved from its seed, or waits for that."""
+    """Whether a solution of a scatter from its seed is running or pending."""
     return obj.session_uid in _state.asked
 
 
 def forget(obj: bpy.types.Object) -> None:
-    """Discard the work on a scatter: it was solved otherwise."""
+    """Discard a pending or running update of a scatter, which was solved in another way."""
     _state.asked.pop(obj.session_uid, None)
     _state.schedule.forget(obj.session_uid)
     if _state.update is not None and _state.update.scatter.uid == obj.session_uid:
@@ -159,7 +160,7 @@ def forget(obj: bpy.types.Object) -> None:
 
 
 def cancel() -> None:
-    """Give up all updates, until something is changed again."""
+    """Cancel all updates until the next change."""
     _state.asked.clear()
     _state.schedule.clear()
     _give_up()
@@ -172,17 +173,17 @@ def is_solving() -> bool:
 
 
 def has_noted() -> bool:
-    """Whether changes were noted that were not looked at yet."""
+    """Whether there are changes that have not been processed."""
     return _state.changes.any_noted()
 
 
 def is_active() -> bool:
-    """Whether some scatter is updated, or waits for that."""
+    """Whether the update of some scatter is running or pending."""
     return _state.update is not None or bool(_state.schedule)
 
 
 def tick() -> float | None:
-    """Go on with what is to be done; seconds until the next time, None to end."""
+    """Continue the work; returns seconds until the next call, None to end."""
     wait = _look()
     return 0.0 if _state.changes.any_noted() else wait
 
@@ -209,14 +210,14 @@ def _look() -> float | None:
 
 
 def _rest() -> float | None:
-    """Seconds until there may be something to do."""
+    """Seconds until there may be work."""
     tool = _TOOL if _state.changes.used_tool and _state.schedule else None
     waits = [_state.schedule.wait(), _state.changes.wait(), tool]
     return min((one for one in waits if one is not None), default=None)
 
 
 def _spread() -> None:
-    """Note which scatters depend on what was changed."""
+    """Schedule the scatters that depend on changed data."""
     writes = _state.update.writes() if _state.update is not None else {}
     for uid, cause in _state.changes.changed_scatters(writes):
         _change(uid, cause)
@@ -229,7 +230,7 @@ def _spread() -> None:
 
 def _change(uid: int, cause: Cause = NOBODY) -> None:
     _state.changes.turn_to(uid)
-    _state.troubles.pop(uid, None)
+    _state.failures.pop(uid, None)
     _state.caused[uid] = cause
     _state.schedule.change(uid)
     if _state.update is not None and _state.update.scatter.uid == uid:
@@ -242,17 +243,17 @@ def _begin() -> None:
     if obj is None:
         return
     held = Held(obj)
-    wish = _state.asked.get(held.uid)
-    if wish is not None or follows(obj):
+    request = _state.asked.get(held.uid)
+    if request is not None or follows(obj):
         cause = _state.caused.pop(held.uid, NOBODY) | {held.uid}
-        _state.update = _Update(held, cause, wish)
+        _state.update = _Update(held, cause, request)
     else:
         _state.changes.pass_over(held.uid)
 
 
 def _go_on(update: _Update) -> None:
     try:
-        if not (update.wish and is_operated()):
+        if not (update.request and is_operated()):
             update.job.go_on(_PART)
     except BaseException:
         _end(update)
@@ -266,7 +267,7 @@ def _end(update: _Update) -> None:
 
 
 def _give_up() -> None:
-    """Forget what a worker still finds."""
+    """Abandon the running update and its worker."""
     update, _state.update = _state.update, None
     if update is not None:
         update.job.abandon()
@@ -280,12 +281,12 @@ def _show(update: _Update) -> None:
 
 
 def _wake() -> None:
-    """Have the timer look now, which may sleep until the next glance at pictures."""
+    """Call the timer now; it may be waiting for the next check of images."""
     call_in(0.0, tick)
 
 
 def _updated(evaluation: Evaluation) -> None:
-    """Note what was changed, and look at it soon."""
+    """Note changes and process them soon."""
     if not enabled or is_quiet():
         return
     if _state.changes.note(evaluation):
@@ -293,13 +294,13 @@ def _updated(evaluation: Evaluation) -> None:
 
 
 def _frame_changed(evaluation: Evaluation) -> None:
-    """What was edited at another time may make a difference now."""
+    """A change at another frame may matter at this one."""
     if enabled and not is_quiet() and _state.changes.note_frame(evaluation.scene):
         _wake()
 
 
 def _undone() -> None:
-    """An undo may have brought back anything."""
+    """An undo may have changed anything."""
     if enabled:
         _state.changes.doubt_all()
         _give_up()
@@ -329,7 +330,7 @@ SUBSCRIBER = Subscriber(
 
 
 def follow_up(obj: bpy.types.Object) -> None:
-    """Have the live preview start from what was solved in the background."""
+    """Restart the live preview from the new points."""
     preview.solved_anew(obj)
 
 

@@ -27,14 +27,14 @@ from ..surface.surroundings import picture_of
 
 Cause = frozenset[int]  # session_uids of scatters
 NOBODY: Cause = frozenset()
-_READ = {SURFACE, VALUES, AROUND}  # what a scatter is solved from
-GLANCE = 1.0  # seconds between two glances, or more where they take long
-RARELY = 20.0  # so much longer than a glance took is the pause
+_READ = {SURFACE, VALUES, AROUND}  # parts of the scene that a solution depends on
+GLANCE = 1.0  # seconds between two checks of images
+RARELY = 20.0  # smallest ratio of the pause between checks to their duration
 
 
 @dataclass
 class Pictures:
-    """What the last glance saw."""
+    """The images at the last check."""
 
     _seen: dict[int, tuple[Any, str]] = field(default_factory=dict)  # by session_uid: what is
     # quickly compared, and the digest
@@ -42,12 +42,12 @@ class Pictures:
     _took: float = 0.0  # seconds
 
     def wait(self) -> float:
-        """Seconds until the next glance."""
+        """Seconds until the next check."""
         pause = max(GLANCE, RARELY * self._took)
         return max(pause - (time.monotonic() - self._glanced), 0.0)
 
     def changed(self, images: list[bpy.types.Image]) -> set[int]:
-        """Those that have other pixels than at the last glance, by session_uid."""
+        """The session_uids of images whose pixels changed since the last check."""
         if self.wait() > 0.0:
             return set()
         begin = time.monotonic()
@@ -57,7 +57,7 @@ class Pictures:
         return found
 
     def _is_other(self, image: bpy.types.Image) -> bool:
-        """A picture that has changes is read; one that is as on the disk is not."""
+        """An image is read only if it has unsaved changes or its file changed."""
         token = (image.is_dirty, image.filepath, image.source, tuple(image.size))
         before = self._seen.get(image.session_uid)
         if before is not None and token == before[0] and not image.is_dirty:
@@ -68,24 +68,26 @@ class Pictures:
 
 @dataclass
 class Changes:
-    """What is noted, all of it by session_uid; file data is always looked up anew."""
+    """Noted changes, by session_uid; file data is always looked up again."""
 
     _touched: set[int] = field(default_factory=set)  # changed data-blocks
-    _depends: dict[int, set[Hashable]] = field(default_factory=dict)  # of a scatter
-    _images: set[int] = field(default_factory=set)  # those that are watched
+    _depends: dict[int, set[Hashable]] = field(default_factory=dict)  # dependencies of each scatter
+    _images: set[int] = field(default_factory=set)  # images in use
     _pictures: Pictures = field(default_factory=Pictures)
-    _relinked: bool = True  # whether that is to be looked up again
-    _doubtful: set[int] = field(default_factory=set)  # scatters that depend on something else now
+    _relinked: bool = True  # whether dependencies must be looked up again
+    _doubtful: set[int] = field(default_factory=set)  # scatters whose dependencies changed
     _all_doubtful: bool = False
     _passed_over: set[int] = field(default_factory=set)  # scatters that did not follow a change
-    _waiting: dict[int, float] = field(default_factory=dict)  # scatters and when they were solved
-    _wrote: dict[int, Cause] = field(default_factory=dict)  # what was written, and because of which
-    used_tool: bool = False  # at the last look
-    _last_operator: int = 0  # when something was noted last
-    _ended: bool = False  # what has changed something
+    # Scatters that wait for a frame, and the time at which they were solved.
+    _waiting: dict[int, float] = field(default_factory=dict)
+    # Data written by updates, with their causes.
+    _wrote: dict[int, Cause] = field(default_factory=dict)
+    used_tool: bool = False  # at the last check
+    _last_operator: int = 0  # when the last change was noted
+    _ended: bool = False  # whether the tool or operator that made changes has ended
 
     def note(self, evaluation: Evaluation) -> bool:
-        """Note what was changed, not what is merely evaluated after it; whether anything is."""
+        """Note edited data-blocks; returns whether there are any unprocessed changes."""
         for one in evaluation.updates:
             if not one.is_edited:
                 continue
@@ -99,7 +101,7 @@ class Changes:
         return self.any_noted()
 
     def look_for_end(self) -> None:
-        """Note whether the artist has just put down a tool."""
+        """Note whether the artist has just finished using a tool."""
         before, self.used_tool = self.used_tool, is_using_tool()
         self._ended |= before and not self.used_tool
 
@@ -111,19 +113,19 @@ class Changes:
         return ended
 
     def any_noted(self) -> bool:
-        """Whether something was changed that was not looked at yet."""
+        """Whether there are unprocessed changes."""
         return bool(self._touched)
 
     def relink(self) -> None:
-        """What scatters depend on is to be looked up again."""
+        """Look up the dependencies of scatters again."""
         self._relinked = True
 
     def doubt_all(self) -> None:
-        """An undo may have brought back anything."""
+        """An undo may have changed anything."""
         self._all_doubtful = self._relinked = True
 
     def pass_over(self, uid: int) -> None:
-        """A scatter does not follow: it has its turn with its next change, whatever that is."""
+        """A scatter does not follow a change; it is considered again at its next change."""
         self._passed_over.add(uid)
 
     def turn_to(self, uid: int) -> None:
@@ -132,34 +134,34 @@ class Changes:
         self._waiting.pop(uid, None)
 
     def wait_for_frame(self, obj: bpy.types.Object) -> None:
-        """A scatter was solved at another frame: only there are shapes and places compared."""
+        """A scatter was solved at another frame, the only one at which shapes can be compared."""
         time = solved_time(obj)
         if time is not None and time != time_of(bpy.context.scene):
             self._waiting[obj.session_uid] = time
 
     def note_frame(self, scene: bpy.types.Scene) -> bool:
-        """Note which frame is shown; whether a scatter has waited for it."""
+        """Note the current frame; returns whether a scatter has waited for it."""
         shown = {uid for uid, time in self._waiting.items() if time == time_of(scene)}
         self._passed_over |= shown
         self._touched |= shown
         return bool(shown)
 
     def wrote(self, written: Mapping[int, Cause]) -> None:
-        """An update has written this."""
+        """Note data that an update has written."""
         self._wrote |= written
 
     def glance(self) -> None:
-        """Look whether watched pictures were painted: no handler notices that."""
+        """Check whether images in use were painted, for which Blender has no handler."""
         if self._images:
             watched = [one for one in bpy.data.images if one.session_uid in self._images]
             self._touched |= self._pictures.changed(watched)
 
     def wait(self) -> float | None:
-        """Seconds until the next glance; None where there is nothing to glance at."""
+        """Seconds until the next check of images; None if there are none."""
         return self._pictures.wait() if self._images else None
 
     def changed_scatters(self, being_written: Mapping[int, Cause]) -> list[tuple[int, Cause]]:
-        """Scatters that depend on what was noted since the last time, each with the cause."""
+        """Scatters that depend on changes since the last call, each with its cause."""
         touched, self._touched = self._touched, set()
         causes = {uid: self._wrote.pop(uid) for uid in touched & self._wrote.keys()}
         causes |= being_written
@@ -174,11 +176,11 @@ class Changes:
         return found
 
     def known_scatters(self) -> set[int]:
-        """Those of the file."""
+        """The scatters of the file."""
         return set(self._looked_up())
 
     def _looked_up(self) -> dict[int, set[Hashable]]:
-        """What scatters depend on; where that is something else than before, it is a change."""
+        """The dependencies of scatters; a scatter whose dependencies differ counts as changed."""
         if self._relinked:
             self._relinked = False
             before = self._depends
@@ -203,7 +205,7 @@ def follows(obj: bpy.types.Object) -> bool:
 
 
 def scatters() -> list[bpy.types.Object]:
-    """Those of the file."""
+    """The scatters of the file."""
     return [obj for obj in bpy.data.objects if is_scatter(obj)]
 
 

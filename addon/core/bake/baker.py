@@ -70,7 +70,7 @@ class Baker:
         self.last = start.binding
         self.leaning = Leaning()
         self._shape: Shape | None = None  # of the topology, where points are bound to its rest
-        self._tracker: Any = None
+        self.tracker: Any = None
         self.grounds = Grounds(self.bound, start.settings)
         self._stands_on: Any = None  # the ground of the tracker
         self._begun = 0  # frames before the topology begins
@@ -210,17 +210,17 @@ class Baker:
 
     def _ready_tracker(self) -> tuple[Any, Any]:
         """The tracker, at the last frame that is done, and the ground that it stands on."""
-        if self._tracker is None:
-            self._tracker = self._new_tracker()
+        if self.tracker is None:
+            self.tracker = self._new_tracker()
         ground = self.grounds.now
         if ground is not self._stands_on:
             self._go_over_to(ground)
         if self._tracked < self.done and self._laid_for < self.done:
             vertices = ground.vertices(self._vertices)
             samples = self._there(ground, self._solved)
-            self._tracker.resume(vertices, samples, settled=self._solved.settled)
+            self.tracker.resume(vertices, samples, settled=self._solved.settled)
         self._tracked = self.done
-        return self._tracker, ground
+        return self.tracker, ground
 
     @property
     def _topology_begins(self) -> bool:
@@ -255,7 +255,7 @@ class Baker:
             samples, vertices = self._there(ground, self._solved), self._vertices
         settings = self.start.settings
         crossed = self._topology_begins
-        resumed_on(self._tracker, ground, vertices, (samples, started), settings, crossed)
+        resumed_on(self.tracker, ground, vertices, (samples, started), settings, crossed)
         self._stands_on = ground
 
     def _solved_of(self, samples: Any, settled: bool) -> Solved:

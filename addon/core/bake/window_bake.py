@@ -39,24 +39,24 @@ class TogetherBaker(Baker):
         super().__post_init__()
         if self.closed:
             self.reattach, self.remedy = False, "Set Smoothing to Forward"
-        self._held: list[_Held] = []
+        self.held: list[_Held] = []
         self._ahead: list[Solved] = []
 
     @property
     def done(self) -> int:
         """Frames that are held or solved."""
-        return len(self.reports) + len(self._held)
+        return len(self.reports) + len(self.held)
 
     @property
     def share(self) -> tuple[float, float]:
         """Of the bake, before and after the next frame."""
-        more = PIECE - OVERLAP if self._is_full(len(self._held) + 1) else 0
+        more = PIECE - OVERLAP if self._is_full(len(self.held) + 1) else 0
         return self._progress(), self._progress(1, more)
 
     def take(self) -> bool:
         """Whether the frame waits for others, or its piece was solved before."""
-        self._held.append(_Held(self._now, self.fingerprint))
-        return not self._is_full(len(self._held)) or self._take(PIECE, PIECE - OVERLAP)
+        self.held.append(_Held(self._now, self.fingerprint))
+        return not self._is_full(len(self.held)) or self._take(PIECE, PIECE - OVERLAP)
 
     def advance(self, context: Any) -> None:
         """Solve the piece that is full with the frame."""
@@ -64,7 +64,7 @@ class TogetherBaker(Baker):
 
     def finish(self, context: Any) -> None:
         """Take or solve all frames that are held."""
-        count = len(self._held)
+        count = len(self.held)
         if count and not self._take(count, count):
             self._solve(count, count, context)
 
@@ -88,7 +88,7 @@ class TogetherBaker(Baker):
             if solved is None:
                 return False
             found.append(solved)
-        for held, solved in zip(self._held[:done], found[:done], strict=True):
+        for held, solved in zip(self.held[:done], found[:done], strict=True):
             self._now = held.surface
             self._add(solved)
         self.taken += done
@@ -104,7 +104,7 @@ class TogetherBaker(Baker):
         for k, solved in enumerate(left):  # before the others: once those are there, all are
             self._keep(solved, begin + done + k, fingerprint, ahead=True)
         for k in range(done):
-            self._now = self._held[k].surface
+            self._now = self.held[k].surface
             solved = self._solved_of(samples[k], settled=True)
             self._keep(solved, begin + k, fingerprint)
             self._add(solved)
@@ -114,35 +114,35 @@ class TogetherBaker(Baker):
         """Samples of the frames of a piece, on the faces that were read."""
         with named(self.bound.name):
             tracker, ground = self._ready_tracker()
-            frames = [ground.vertices(one.surface.vertices) for one in self._held[:count]]
+            frames = [ground.vertices(one.surface.vertices) for one in self.held[:count]]
             found = tracker.advance(frames, done, context=context)
             return [ground.to_original(one) for one in found]
 
     def _piece(self, count: int, done: int) -> str:
         """Fingerprint of a piece."""
         begin, closes = len(self.reports), self.closed and done == count
-        return f"{self._held[count - 1].fingerprint} {begin} {done} {count} {closes}"
+        return f"{self.held[count - 1].fingerprint} {begin} {done} {count} {closes}"
 
     def _let_go(self, ahead: list[Solved], done: int, fingerprint: str) -> None:
         """Hold so many frames no more."""
         self._ahead, self.fingerprint = ahead, fingerprint
-        del self._held[:done]
+        del self.held[:done]
 
     def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
         """Begin the next piece with a tracker of its own."""
         super().cross(before, after)
-        self._tracker = None
+        self.tracker = None
 
     def _ready_tracker(self) -> tuple[Any, Any]:
         """The tracker, at the last frame that is done, and the ground that it stands on."""
-        if self._tracker is None:
-            self._tracker = self._new_tracker()
+        if self.tracker is None:
+            self.tracker = self._new_tracker()
         ground = self.grounds.first  # what moves is not followed
         if self._tracked < len(self.reports):
             vertices = ground.vertices(self._vertices)
             ahead = [self._there(ground, one) for one in self._ahead]
-            self._tracker.resume(vertices, self._there(ground, self._solved), ahead)
-        return self._tracker, ground
+            self.tracker.resume(vertices, self._there(ground, self._solved), ahead)
+        return self.tracker, ground
 
     def _new_tracker(self) -> Any:
         samples, settings = self._begin(), self.start.settings

@@ -12,11 +12,11 @@ PAUSE = 0.15  # seconds without a change
 
 
 class Schedule:
-    """What waits for its turn, by keys, each from its last change on."""
+    """Keys that wait for their turn, each since its last change."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic, pause: float = PAUSE) -> None:
         self._clock, self._pause = clock, pause
-        self._changed: dict[int, float] = {}  # when, in the order of the changes
+        self._changed: dict[int, float] = {}  # times in the order of changes
 
     def __contains__(self, key: int) -> bool:
         return key in self._changed
@@ -25,29 +25,29 @@ class Schedule:
         return bool(self._changed)
 
     def change(self, key: int) -> None:
-        """It was changed now; its pause begins anew."""
+        """A key has changed now; its pause starts again."""
         self._changed.pop(key, None)
         self._changed[key] = self._clock()
 
     def hurry(self, key: int) -> None:
-        """It is the next one, without a pause."""
+        """Make a key the next one, without a pause."""
         self._changed.pop(key, None)
         self._changed = {key: -math.inf, **self._changed}
 
     def settle(self) -> None:
-        """What changed all of it has ended: none has to wait for more than its turn."""
+        """The source of the changes has ended: no key needs to pause any more."""
         self._changed = dict.fromkeys(self._changed, -math.inf)
 
     def forget(self, key: int) -> None:
-        """It is not to be worked on, until it is changed again."""
+        """Remove a key until it changes again."""
         self._changed.pop(key, None)
 
     def clear(self) -> None:
-        """Nothing is to be worked on."""
+        """Remove all keys."""
         self._changed.clear()
 
     def take(self) -> int | None:
-        """What has rested longest and for long enough, which waits no more; None: nothing has."""
+        """Remove and return the key that has waited longest, if its pause is over; else None."""
         for key, when in self._changed.items():
             if self._clock() - when >= self._pause:
                 del self._changed[key]
@@ -56,7 +56,7 @@ class Schedule:
         return None
 
     def wait(self) -> float | None:
-        """Seconds until there is something to take; None where nothing waits."""
+        """Seconds until a pause is over; None if no key waits."""
         for when in self._changed.values():
             return max(when + self._pause - self._clock(), 0.0)
         return None

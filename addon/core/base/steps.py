@@ -17,12 +17,12 @@ from typing import Any
 from .errors import StoppedError
 from .native import package
 
-_SHORT = 0.001  # seconds in which a task is done that hardly does anything
+_SHORT = 0.001  # seconds within which short tasks end
 
 
 @dataclass(frozen=True)
 class Task:
-    """Work for the worker thread, and which part of the whole it is."""
+    """Work for the worker thread, and its share of the progress."""
 
     call: Callable[[Any], Any]  # takes a dapple.Context
     begin: float = 0.0
@@ -30,11 +30,11 @@ class Task:
 
 
 Steps = Generator[Task, Any, Any]
-PAUSE = Task(lambda _: None)  # nothing: lets the artist's events through
+PAUSE = Task(lambda _: None)  # does nothing, but lets Blender process events
 
 
 def run_now(steps: Steps) -> Any:
-    """Run all steps in this thread; what the generator returns."""
+    """Run all steps in this thread; returns the value of the generator."""
     try:
         task = next(steps)
         while True:
@@ -58,7 +58,7 @@ def _answer(steps: Steps, value: Any, error: Exception | None) -> Task:
 
 
 class Stepper:
-    """Runs steps without blocking: call poll until it says True, then read result."""
+    """Runs steps without blocking: call poll until it returns True, then read result."""
 
     def __init__(self, steps: Steps) -> None:
         self.result: Any = None
@@ -68,7 +68,7 @@ class Stepper:
         self._context: Any = None
         self._value: Any = None
         self._error: Exception | None = None
-        self._begun = 0  # tasks so far
+        self._begun = 0  # number of tasks so far
         self._stopped = self._done = False
 
     @property
@@ -80,12 +80,12 @@ class Stepper:
 
     @property
     def waits(self) -> bool:
-        """Whether the worker is at a task."""
+        """Whether the worker is running a task."""
         return self._work is not None and not self._work.wait(0.0)
 
     @property
     def is_stopped(self) -> bool:
-        """Whether it is to end without a result."""
+        """Whether it was cancelled."""
         return self._stopped
 
     def cancel(self) -> None:
@@ -127,7 +127,7 @@ class Stepper:
         self._steps.close()
 
     def abandon(self) -> None:
-        """Stop without waiting for the worker: what it still finds is for nobody."""
+        """Stop without waiting for the worker, whose result is discarded."""
         self.cancel()
         self._steps.close()
 
@@ -149,7 +149,7 @@ class Stepper:
 
 
 class Work:
-    """A call that a thread is at."""
+    """A call that a thread runs."""
 
     def __init__(self, call: Callable[[], None]) -> None:
         self._call: Callable[[], None] | None = call
@@ -157,11 +157,11 @@ class Work:
         _free_thread().give(self)
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Whether it has ended, within so many seconds; None: however long it takes."""
+        """Whether it has ended within so many seconds; None waits without a limit."""
         return self._ended.wait(seconds)
 
     def do(self, thread: "_Thread") -> None:
-        """What the thread calls; it is free before anyone learns that the work has ended."""
+        """Run the call in a thread, which becomes free before anyone learns that it has ended."""
         call, self._call = self._call, None  # which may hold this
         try:
             if call is not None:
@@ -177,7 +177,7 @@ class _Thread:
         threading.Thread(target=self._run, name="dapple", daemon=True).start()
 
     def give(self, work: Work | None) -> None:
-        """To be done next; None ends the thread."""
+        """Give it the next call; None ends the thread."""
         self._given.put(work)
 
     def _run(self) -> None:
@@ -202,6 +202,6 @@ def free_threads() -> int:
 
 
 def end_free_threads() -> None:
-    """End those that wait for work; one that is at work stays."""
+    """End the threads that wait for work."""
     while _free:
         _free.pop().give(None)

@@ -19,7 +19,7 @@ def tracked(monkeypatch):
 
     def noting(self, context):
         advance(self, context)
-        seen.append(self._tracker.samples)
+        seen.append(self.tracker.samples)
 
     monkeypatch.setattr(baker, "advance", noting)
     return seen
@@ -419,7 +419,7 @@ def test_a_bake_in_pieces_holds_no_more_than_two(monkeypatch):
 
     def noting(self):
         done = take(self)
-        held.append(len(self._held))
+        held.append(len(self.held))
         return done
 
     monkeypatch.setattr(together, "take", noting)

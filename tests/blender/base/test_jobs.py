@@ -13,11 +13,6 @@ def jobs():
 
 
 @pytest.fixture
-def steps():
-    return addon_host.part("core.base.steps")
-
-
-@pytest.fixture
 def made(jobs, monkeypatch):
     """Makes a job of steps, and notes what follows it."""
     found = SimpleNamespace(done=[], failed=[], stopped=[], undo=[])

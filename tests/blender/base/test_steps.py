@@ -13,11 +13,6 @@ import scenes
 
 
 @pytest.fixture
-def steps():
-    return addon_host.part("core.base.steps")
-
-
-@pytest.fixture
 def errors():
     return addon_host.part("core.base.errors")
 

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import addon_host
 import bpy
-import child
 import numpy as np
 import pytest
 import scenes
@@ -23,12 +22,6 @@ OPENJD, FLAMENCO = (ROOT / "packaging" / "farm" / name for name in ("openjd", "f
 FRAMES, LONG = 5, 24
 PATIENCE = 900  # seconds for a process on a busy machine
 TEMPLATES = sorted(OPENJD.glob("*.yaml"))
-
-
-@pytest.fixture(scope="module")
-def blender(tmp_path_factory):
-    """Blender as a program, or what stands in for it."""
-    return child.program(tmp_path_factory.mktemp("program"))
 
 
 def shots(folder, frames):

@@ -512,13 +512,6 @@ def test_a_bake_keeps_to_a_distance():
     assert reason(obj) == ""
 
 
-@pytest.fixture
-def overlay(monkeypatch):
-    module = addon_host.part("blender.density.overlay")
-    monkeypatch.setattr(module, "PAUSE", 0.0)
-    return module
-
-
 def test_one_mask_is_shown_with_its_legend(overlay):
     curve = path(((-5.0, 0.0, 0.0), (5.0, 0.0, 0.0)))
     obj, _ = on_plane(100, use_distance=True, distance_object=curve, use_border=True)

@@ -11,13 +11,6 @@ import scenes
 import windowed
 
 
-@pytest.fixture
-def overlay(monkeypatch):
-    module = addon_host.part("blender.density.overlay")
-    monkeypatch.setattr(module, "PAUSE", 0.0)
-    return module
-
-
 def sloped(**density):
     obj = scenes.scattered(scenes.sphere(), count=40)
     for name, value in density.items():

@@ -8,11 +8,7 @@ import probe
 import pytest
 import scenes
 
-
-@pytest.fixture(autouse=True)
-def engine():
-    with probe.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("engine")
 
 
 def test_the_copy_that_is_evaluated_has_the_faces_that_a_render_gets():

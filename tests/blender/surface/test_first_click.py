@@ -17,10 +17,7 @@ dapple = pytest.importorskip("dapple3d")
 NEAR = 1e-3  # spacings
 
 
-@pytest.fixture(autouse=True)
-def engine():
-    with probe.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("engine")
 
 
 @pytest.fixture
@@ -32,7 +29,7 @@ def tracked(monkeypatch):
 
     def noting(self, context):
         advance(self, context)
-        seen.append((self.last, self._tracker.samples))
+        seen.append((self.last, self.tracker.samples))
 
     monkeypatch.setattr(baker, "advance", noting)
     return seen
