@@ -12,6 +12,15 @@ namespace dapple {
 struct Triple {
   double x, y, z;
 
+  Triple() = default;  // numbers without values
+  // Copied number by number: a copy of the whole would wait for the last numbers to be stored.
+  Triple(const Triple& other) : x(other.x), y(other.y), z(other.z) {}
+  Triple& operator=(const Triple& other) {
+    x = other.x;
+    y = other.y;
+    z = other.z;
+    return *this;
+  }
   Triple(double first, double second, double third) : x(first), y(second), z(third) {}
   explicit Triple(const Vec3& v) : x(v[0]), y(v[1]), z(v[2]) {}
 

@@ -3,12 +3,22 @@
 
 #include <dapple/context.hpp>
 #include <dapple/types.hpp>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 
 #include "surface/doubled.hpp"
 
 namespace dapple {
+
+class FaceEdges;
+
+/// The edges of the faces, which are made on first use, see face_edges_of().
+struct LazyFaceEdges {
+  std::mutex mutex;
+  std::shared_ptr<const FaceEdges> edges;
+};
 
 /// Faces and vertices in their own order (along Morton curves, for the cache; *ordered* for short),
 /// the maps to the caller's order, and which faces are neighbors. All surfaces deformed from one
@@ -25,6 +35,7 @@ struct Connectivity {
   std::int32_t components = 0;
   bool merge_doubled = true;         // see SurfaceOptions
   std::vector<DoubledFace> doubled;  // sorted by face; each is in the component of the other
+  std::shared_ptr<LazyFaceEdges> face_edges = std::make_shared<LazyFaceEdges>();
 };
 
 /// Connect faces over edges of the same vertices and, with `weld`, over border edges at the same

@@ -12,6 +12,7 @@ enum class OrderedFace : std::int32_t {};
 
 /// Conversion to an array index, and back.
 constexpr std::size_t as_index(OrderedFace face) { return static_cast<std::size_t>(face); }
+constexpr std::size_t as_index(std::int32_t index) { return static_cast<std::size_t>(index); }
 constexpr OrderedFace nth_face(std::size_t index) { return static_cast<OrderedFace>(index); }
 
 /// Half-edges are numbered three to a face, by the corner that they start from.

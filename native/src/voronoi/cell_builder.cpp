@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
 
 #include "base/parallel.hpp"
 #include "surface/ordered_surface.hpp"
@@ -16,6 +15,8 @@ constexpr std::size_t kWorks = 128;  // chunks in progress, so few that results 
 constexpr std::size_t kSum = 4096;   // cells per partial sum
 constexpr double kRoom =
     1.02;  // memory for boundaries, relative to the estimate from previous cells
+
+constexpr std::size_t kMarch = 4;  // faces per site from which a march takes less time than floods
 
 // Share of the progress when all cells without uncovered faces are known.
 constexpr double kFlooded = 0.7;
@@ -60,20 +61,101 @@ void CellBuilder::find_gaps() {
 
 void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells, bool leaves_gaps,
                         Context* context, RestrictedVoronoi& result) {
+  begin(cells, leaves_gaps, context, result);
+  if (graph || !is_for_march(sites.size()))
+    return build_by_floods(sites, graph, cells, leaves_gaps, context, result);
+  march(sites, context);
+  if (context) context->advance(1.0);
+}
+
+void CellBuilder::begin(Cells cells, bool leaves_gaps, Context* context,
+                        RestrictedVoronoi& result) {
   result_ = &result;
-  whole_ = graph && graph->periodic;
   connected_ = cells == Cells::kConnected;
   leaves_ = connected_ && leaves_gaps;
   if (leaves_) find_gaps();
   gaps_ = leaves_ && !empty_.empty();
   context_ = context;
-  start(sites, graph, context);
+  shares_.clear();
+  divided_.clear();
+}
+
+void CellBuilder::build_by_floods(const Sites& sites, const SiteGraph* graph, Cells cells,
+                                  bool leaves_gaps, Context* context, RestrictedVoronoi& result) {
+  begin(cells, leaves_gaps, context, result);
+  whole_ = graph && graph->periodic;
+  start(sites, graph);
   find_area_to_cover();
   Stretch flooding(context, 0.0, whole_ ? 1.0 : kFlooded), mending(context, kFlooded, 1.0);
   integrate(all_, flooding.context());
   if (!whole_ && missing_area()) share_uncovered_faces(mending.context());
   result.boundaries.resize(boundary_count_);
   if (context) context->advance(1.0);
+}
+
+/// Whether there are so many faces that it takes less time to go through them than to flood each
+/// cell.
+bool CellBuilder::is_for_march(std::size_t count) const {
+  return !gaps_ && count > 0 && surface_.face_count() >= kMarch * count;
+}
+
+void CellBuilder::march(const Sites& sites, Context* context) {
+  if (!march_) march_ = std::make_unique<FaceMarch>(surface_, sites_, index_);
+  place_sites(sites);
+  std::vector<OrderedFace> alone = faces_without_sites();
+  if (!leaves_ && !alone.empty()) {
+    for (Worker& worker : workers_) worker.flood.restart();
+    add_nearest_owners(alone);
+    index_owners();
+  }
+  march_->start({divided_, owners_}, context);
+  if (connected_) {
+    share_out_on(march_->disconnected_faces(), context);
+    if (const std::vector<OrderedFace> faces = march_->islands(); !faces.empty())
+      share_out_on(faces, context);
+  }
+  march_->collect(*result_);
+}
+
+/// Sort the sites and make lists of those near each, unless the last ones hold.
+void CellBuilder::place_sites(const Sites& sites) {
+  const StageSpan finding(context_, Stage::kNeighbors);
+  NearLists& lists = march_->lists();
+  if (lists.hold_for(sites, connected_)) {
+    sites_.move(surface_, sites);
+    index_.refit();
+    lists.move();
+    return;
+  }
+  sites_.assign(surface_, sites);
+  index_.update(nullptr);
+  lists.make(connected_);
+}
+
+/// The faces of components without a site.
+std::vector<OrderedFace> CellBuilder::faces_without_sites() const {
+  std::vector<OrderedFace> faces;
+  const OrderedSurface& mesh = surface_.ordered();
+  if (!connected_ || mesh.components() < 2) return faces;
+  for (std::size_t f = 0; f < surface_.face_count(); ++f)
+    if (mesh.counts(nth_face(f)) && march_->lists().site_on(mesh.component(nth_face(f))) < 0)
+      faces.push_back(nth_face(f));
+  return faces;
+}
+
+/// Divide faces, with pieces that are not connected to their site, among sites that they are
+/// connected to.
+void CellBuilder::share_out_on(std::span<const OrderedFace> faces, Context* context) {
+  if (faces.empty()) return march_->divide(faces, {divided_, owners_}, context);
+  for (Worker& worker : workers_) worker.flood.restart();
+  const std::vector<Share> shares = share_out(
+      surface_, march_->pieces_around(faces), faces,
+      [this](OrderedFace face, std::span<const std::int32_t> asked,
+             std::span<const std::int32_t> rivals) { return winners(face, asked, rivals); });
+  shares_.insert(shares_.end(), shares.begin(), shares.end());
+  std::sort(shares_.begin(), shares_.end());
+  index_owners();
+  march_->divide(faces, {divided_, owners_}, context);
 }
 
 /// The component labels without parts that have no site.
@@ -96,8 +178,9 @@ void CellBuilder::find_area_to_cover() {
     if (has_site[c]) area_to_cover_ += component_areas_[c];
 }
 
-void CellBuilder::start(const Sites& sites, const SiteGraph* graph, Context* context) {
-  const StageSpan finding(context, Stage::kNeighbors);
+void CellBuilder::start(const Sites& sites, const SiteGraph* graph) {
+  const StageSpan finding(context_, Stage::kNeighbors);
+  if (march_) march_->lists().forget();  // they refer to the last order of sites
   sites_.assign(surface_, sites);
   index_.update(graph);
   for (Worker& worker : workers_) worker.flood.restart(gaps_);
@@ -105,8 +188,6 @@ void CellBuilder::start(const Sites& sites, const SiteGraph* graph, Context* con
   all_.resize(count());
   std::iota(all_.begin(), all_.end(), 0);
   std::copy(order.begin(), order.end(), all_.begin());
-  shares_.clear();
-  divided_.clear();
   boundary_count_ = 0;
   result_->cells.resize(count());
   result_->rows.resize(count());

@@ -3,9 +3,12 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <memory>
+
 #include "base/laps.hpp"
 #include "base/progress.hpp"
 #include "voronoi/cell_integrals.hpp"
+#include "voronoi/face_march.hpp"
 #include "voronoi/shared_faces.hpp"
 #include "voronoi/site_graph.hpp"
 
@@ -27,7 +30,16 @@ class CellBuilder {
   void build(const Sites& sites, const SiteGraph* graph, Cells cells, bool leaves_gaps,
              Context* context, RestrictedVoronoi& result);
 
-  /// The polygons of the cells built last.
+  /// The same, by a flood from each site alone, after which polygons() gives their pieces.
+  void build_by_floods(const Sites& sites, const SiteGraph* graph, Cells cells, bool leaves_gaps,
+                       Context* context, RestrictedVoronoi& result);
+
+  /// Forget the lists of near sites, as for other sites.
+  void forget() {
+    if (march_) march_->lists().forget();
+  }
+
+  /// The polygons of the cells built last, by floods.
   [[nodiscard]] std::vector<CellPolygon> polygons(Context* context);
 
  private:
@@ -62,9 +74,15 @@ class CellBuilder {
     }
   };
 
+  void begin(Cells cells, bool leaves_gaps, Context* context, RestrictedVoronoi& result);
+  [[nodiscard]] bool is_for_march(std::size_t count) const;
+  void march(const Sites& sites, Context* context);
+  void place_sites(const Sites& sites);
+  [[nodiscard]] std::vector<OrderedFace> faces_without_sites() const;
+  void share_out_on(std::span<const OrderedFace> faces, Context* context);
   void find_gaps();
   void find_area_to_cover();
-  void start(const Sites& sites, const SiteGraph* graph, Context* context);
+  void start(const Sites& sites, const SiteGraph* graph);
   [[nodiscard]] std::size_t count() const { return sites_.size(); }
   [[nodiscard]] std::span<const Share> shares_of(std::int32_t site) const;
   template <typename Visit, typename Flush>
@@ -109,6 +127,7 @@ class CellBuilder {
   std::vector<double> component_areas_;  // only where there are several
   double area_to_cover_ = 0.0;
   Context* context_ = nullptr;
+  std::unique_ptr<FaceMarch> march_;  // made when first needed
   tbb::enumerable_thread_specific<Worker> workers_;
   std::vector<std::int32_t> all_;  // sites
   std::vector<Chunk> chunks_;      // in work

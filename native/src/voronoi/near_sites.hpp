@@ -40,6 +40,9 @@ class NearSites {
   /// How many there are.
   [[nodiscard]] std::size_t within_reach() const { return within_reach_; }
 
+  /// The squared distance within which all() has every site, unless there are more than kMost.
+  [[nodiscard]] double squared_reach() const { return squared_reach_; }
+
   /// Whether there are no others.
   [[nodiscard]] bool is_complete() const;
 

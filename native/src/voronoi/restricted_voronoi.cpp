@@ -63,7 +63,7 @@ std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, con
   const Surface sided = in_sides(surface, sites.size(), cells);
   CellBuilder builder(sided);
   RestrictedVoronoi diagram;
-  builder.build(sites, nullptr, cells, /*leaves_gaps=*/false, cutting.context(), diagram);
+  builder.build_by_floods(sites, nullptr, cells, /*leaves_gaps=*/false, cutting.context(), diagram);
   return builder.polygons(collecting.context());
 }
 

@@ -38,6 +38,14 @@ void OrderedSites::assign(const Surface& surface, const Sites& sites) {
   });
 }
 
+void OrderedSites::move(const Surface& surface, const Sites& sites) {
+  for_each_vector(sites.size(), [&](std::size_t k) {
+    const auto caller = static_cast<std::size_t>(originals[k]);
+    positions[k] = sites.positions[caller];
+    faces[k] = surface.ordered().counted_face(sites.faces[caller]);
+  });
+}
+
 /// Sort the sites by face and index. The sites on each face are counted unless there are far more
 /// faces than sites.
 void OrderedSites::order_by_face(std::size_t face_count) {
@@ -77,6 +85,11 @@ void SiteIndex::update(const SiteGraph* graph) {
   ordered_.resize(sites_->size());
   for (std::size_t k = 0; k < ordered_.size(); ++k)
     ordered_[static_cast<std::size_t>(sites_->originals[k])] = static_cast<std::int32_t>(k);
+}
+
+void SiteIndex::refit() {
+  for (std::size_t k = 0; k < kept_.size(); ++k) kept_positions_[k] = sites_->position(kept_[k]);
+  boxes_.assign(kept_.empty() ? sites_->positions : kept_positions_);
 }
 
 // Sites are sorted by face and caller's index, so the sites of a face are contiguous.

@@ -23,6 +23,9 @@ class OrderedSites {
   /// Rebuild for other sites, in the same memory.
   void assign(const Surface& surface, const Sites& sites);
 
+  /// Move to other sites, as many as before, without sorting them again.
+  void move(const Surface& surface, const Sites& sites);
+
   [[nodiscard]] std::size_t size() const { return positions.size(); }
   [[nodiscard]] std::int32_t original(std::int32_t site) const {
     return originals[static_cast<std::size_t>(site)];
@@ -51,6 +54,10 @@ class SiteIndex {
   /// \param graph of the caller's sites, or null; must outlive the index
   void update(const SiteGraph* graph);
 
+  /// After the sites have moved a little; only without a graph and without crowds.
+  void refit();
+
+  [[nodiscard]] bool has_crowds() const { return !leaders_.empty(); }
   [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
   /// Only without a graph, as what follows: call visit(site) for all sites whose squared distance
   /// from a box is below `limit`. Of a crowd of sites at one place on one face only the first (in

@@ -151,7 +151,9 @@ TEST(SamplerBands, OnABoxWithCreases) { expect_in_bands(box(10).surface(), {}, "
 
 TEST(SamplerBands, OnTheBunny) {
   DAPPLE_NEEDS_MESH("bunny");
-  expect_in_bands(shared_mesh("bunny").surface(), {}, "bunny", kGap);
+  Bands bands = kGap;
+  bands.capacity_variation.high = 0.01;  // of 40 seeds the largest is 0.009, the mean 0.0047
+  expect_in_bands(shared_mesh("bunny").surface(), {}, "bunny", bands);
 }
 
 TEST(SamplerBands, OnTheFandisk) {
