@@ -40,7 +40,7 @@ class _Layout:
     def row(self, **_: Any) -> _Layout:
         return self
 
-    column = row
+    column = box = split = row
 
     def operator(self, *_: Any, **__: Any) -> types.SimpleNamespace:
         return types.SimpleNamespace()
