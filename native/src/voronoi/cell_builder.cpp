@@ -109,11 +109,10 @@ void CellBuilder::march(const Sites& sites, Context* context) {
     index_owners();
   }
   march_->start({divided_, owners_}, context);
-  if (connected_) {
-    share_out_on(march_->disconnected_faces(), context);
+  share_out_on(connected_ ? march_->disconnected_faces() : std::span<const OrderedFace>(), context);
+  if (connected_)
     if (const std::vector<OrderedFace> faces = march_->islands(); !faces.empty())
       share_out_on(faces, context);
-  }
   march_->collect(*result_);
 }
 
@@ -127,6 +126,7 @@ void CellBuilder::place_sites(const Sites& sites) {
     lists.move();
     return;
   }
+  lists.forget();  // they do not hold for another order, even if this is interrupted
   sites_.assign(surface_, sites);
   index_.update(nullptr);
   lists.make(connected_);
@@ -158,7 +158,7 @@ void CellBuilder::share_out_on(std::span<const OrderedFace> faces, Context* cont
   march_->divide(faces, {divided_, owners_}, context);
 }
 
-/// The component labels without parts that have no site.
+/// The area of the surface without components that belong to no site.
 void CellBuilder::find_area_to_cover() {
   area_to_cover_ = surface_.area();
   const OrderedSurface& mesh = surface_.ordered();

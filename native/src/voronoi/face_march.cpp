@@ -42,15 +42,14 @@ void FaceMarch::gather_faces() {
   const OrderedSurface& mesh = surface_->ordered();
   normals_.resize(surface_->face_count());
   moments_.resize(surface_->face_count());
-  parallel_chunks(
-      surface_->face_count(), FaceEdges::kFaces, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t f = begin; f < end; ++f) {
-          const FaceGeometry& face = mesh.geometry(nth_face(f));
-          normals_[f] = face.normal;
-          if (!moments_.empty())
-            moments_[f] = {face.moments.area, face.moments.second, Triple(face.centroid)};
-        }
-      });
+  parallel_chunks(surface_->face_count(), FaceEdges::kFaces,
+                  [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t f = begin; f < end; ++f) {
+                      const FaceGeometry& face = mesh.geometry(nth_face(f));
+                      normals_[f] = face.normal;
+                      moments_[f] = {face.moments.area, face.moments.second, Triple(face.centroid)};
+                    }
+                  });
   mesh_.moments = moments_;
   mesh_.normals = normals_;
   if (edges_->copied().empty()) return;

@@ -84,6 +84,19 @@ TEST_P(MarchOn, DoesNotDependOnWhatWasComputedBefore) {
   }
 }
 
+/// The crank's walls separate many cells from their sites, which is kept in mind for the next
+/// cells.
+TEST(FaceMarch, GivesEuclideanCellsAfterDisconnectedOnes) {
+  DAPPLE_NEEDS_MESH("crank");
+  const Surface surface = shared_mesh("crank").surface();
+  const Sites sites = poisson_start(surface, 800, 5);
+  CellBuilder builder(surface), fresh(surface);
+  const RestrictedVoronoi connected = built(builder, sites, Cells::kConnected);
+  EXPECT_TRUE(
+      same_bytes(built(builder, sites, Cells::kEuclidean), built(fresh, sites, Cells::kEuclidean)));
+  EXPECT_TRUE(same_bytes(built(builder, sites, Cells::kConnected), connected));
+}
+
 class MarchOnMesh : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Meshes, MarchOnMesh, testing::ValuesIn(shared_mesh_names()),
                          [](const auto& mesh) { return mesh.param; });
