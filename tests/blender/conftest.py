@@ -73,7 +73,11 @@ def _takes(name):
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_protocol(item, nextitem):
     """Pass over the tests of a file that another process has taken."""
-    return None if not _TAKEN or _takes(item.path.name) else True
+    if not _TAKEN or _takes(item.path.name):
+        return None
+    # The last test that ran has left what this one shares with it, such as their folder.
+    item.session._setupstate.teardown_exact(nextitem)
+    return True
 
 
 @pytest.fixture(scope="session")
