@@ -33,8 +33,9 @@ def classes():
 
 def _tools():
     """Those of the toolbars: they are no RNA types, and no list has them."""
-    known = {kind.__name__: kind for kind in bpy.types.WorkSpaceTool.__subclasses__()}
-    return [kind for kind in known.values() if kind.__module__.startswith(addon_host.MODULE)]
+    kinds = bpy.types.WorkSpaceTool.__subclasses__()
+    own = [kind for kind in kinds if kind.__module__.startswith(addon_host.MODULE)]
+    return {kind.__name__: kind for kind in own}.values()  # the last ones, if it was enabled again
 
 
 def _of_class(kind):
