@@ -2,7 +2,6 @@
 #include "voronoi/edge_cuts.hpp"
 
 #include <algorithm>
-#include <atomic>
 
 namespace dapple {
 namespace {
@@ -13,7 +12,8 @@ constexpr int kMostSteps = 1 << 16;  // rounding must not lead around forever
 }  // namespace
 
 void EdgeCutter::find(std::span<const FaceEdges::Ends> edges, std::span<const VertexLabel> labels,
-                      double squared_spacing, std::span<char> descends, EdgeCuts& result) {
+                      double squared_spacing, std::span<std::atomic<char>> descends,
+                      EdgeCuts& result) {
   cut_.resize(std::max(cut_.size(), edges.size() + 1));
   result.numbers_.resize(edges.size());
   result.cuts_.clear();
@@ -27,8 +27,7 @@ void EdgeCutter::find(std::span<const FaceEdges::Ends> edges, std::span<const Ve
     cut_[count] = static_cast<std::uint16_t>(e);
     count += cut ? 1 : 0;
     const std::size_t farther = as_index(a.squared_distance > b.squared_distance ? low : high);
-    std::atomic_ref<char>(descends[a.site == b.site ? farther : descends.size() - 1])
-        .store(1, std::memory_order_relaxed);
+    descends[a.site == b.site ? farther : descends.size() - 1].store(1, std::memory_order_relaxed);
   }
   for (std::size_t first = 0; first < count; first += kStaged) {
     const std::span<const std::uint16_t> cut =

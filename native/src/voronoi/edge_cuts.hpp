@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <limits>
 
 #include "surface/face_edges.hpp"
@@ -62,7 +63,7 @@ class EdgeCutter {
   /// \param descends receives 1 per vertex that is the farther end from the site of both ends of an
   ///                 edge; other threads may write to it too. Its last entry belongs to no vertex.
   void find(std::span<const FaceEdges::Ends> edges, std::span<const VertexLabel> labels,
-            double squared_spacing, std::span<char> descends, EdgeCuts& result);
+            double squared_spacing, std::span<std::atomic<char>> descends, EdgeCuts& result);
 
  private:
   static constexpr std::size_t kStaged = 64;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voronoi/face_march.hpp"
 
-#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -16,8 +15,11 @@ constexpr std::size_t kFollowGrain = 16;  // cells that one thread follows
 constexpr std::size_t kMany = 4;          // one of so many chunks is integrated twice
 constexpr double kCutShare = 0.3;         // of the progress, when edges are cut
 
-void mark(std::vector<char>& marks, std::int32_t index) {
-  std::atomic_ref<char>(marks[as_index(index)]).store(1, std::memory_order_relaxed);
+/// Set all to 0.
+template <typename T>
+void reset(std::vector<std::atomic<T>>& values, std::size_t size) {
+  if (values.size() != size) values = std::vector<std::atomic<T>>(size);
+  for (std::atomic<T>& value : values) value.store(0, std::memory_order_relaxed);
 }
 
 }  // namespace
@@ -62,7 +64,7 @@ void FaceMarch::start(DividedFaces divided, Context* context) {
   mesh_.divided = divided;
   stale_.assign(faces_.size(), waits_ ? 1 : 0);
   mesh_.squared_spacing = std::pow(surface_->spacing(sites_->size()), 2);
-  descends_.assign(labels_.size() + 1, 0);
+  reset(descends_, labels_.size() + 1);
   parallel_chunks(labels_.size(), FaceEdges::kVertices, [&](std::size_t begin, std::size_t end) {
     check_context(context);
     label(begin, end);
@@ -196,7 +198,7 @@ std::vector<OrderedFace> FaceMarch::islands() const {
 /// vertices lead to a vertex of the face that holds the site, and all pieces without a vertex lie
 /// beside one with a vertex. Of other cells that is not known.
 void FaceMarch::find_doubtful_sites() {
-  doubtful_.assign(sites_->size(), 0);
+  reset(doubtful_, sites_->size());
   for (const ChunkFaces& chunk : faces_)
     for (const std::int32_t site : chunk.doubts) doubtful_[as_index(site)] = 1;
   for (const std::int32_t v : edges_->pinched())
@@ -215,7 +217,7 @@ void FaceMarch::find_roots() {
         continue;
       const Face& home = edges_->corners()[as_index(sites_->faces[as_index(site)])];
       if (std::find(home.begin(), home.end(), static_cast<std::int32_t>(v)) == home.end())
-        mark(doubtful_, site);
+        doubtful_[as_index(site)].store(1, std::memory_order_relaxed);
     }
   });
 }
@@ -228,7 +230,7 @@ void FaceMarch::for_each_site_on(OrderedFace face, const Visit& visit) const {
 
 /// Sum up the marks of the faces with a piece of these cells.
 void FaceMarch::count_pieces() {
-  pieces_.assign(sites_->size(), 0);
+  reset(pieces_, sites_->size());
   if (waits_)
     count_pieces_by_labels();
   else
@@ -247,8 +249,7 @@ void FaceMarch::count_pieces_by_labels() {
     const auto count = [&](OrderedFace face) {
       for_each_on_border(mesh_, faces_[chunk].cuts, face, [&](std::int32_t site) {
         if (doubtful_[as_index(site)] == 0) return;
-        std::atomic_ref<std::uint64_t>(pieces_[as_index(site)])
-            .fetch_add(mark_of(face), std::memory_order_relaxed);
+        pieces_[as_index(site)].fetch_add(mark_of(face), std::memory_order_relaxed);
       });
     };
     for (const OrderedFace face : faces_[chunk].whole) count(face);

@@ -4,6 +4,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <atomic>
 #include <dapple/restricted_voronoi.hpp>
 #include <memory>
 
@@ -107,10 +108,11 @@ class FaceMarch {
   tbb::enumerable_thread_specific<ChunkCells> workers_;
 
   // Whether cells are connected:
-  std::vector<char> descends_;         // per vertex, see EdgeCutter::find()
-  std::vector<char> doubtful_;         // per site
-  std::vector<std::uint64_t> pieces_;  // per doubtful site: the sum of mark_of() over its faces
-  std::vector<std::int32_t> doubts_;   // these sites
+  std::vector<std::atomic<char>> descends_;  // per vertex, see EdgeCutter::find()
+  std::vector<std::atomic<char>> doubtful_;  // per site
+  std::vector<std::atomic<std::uint64_t>>
+      pieces_;                        // per doubtful site: the sum of mark_of() over its faces
+  std::vector<std::int32_t> doubts_;  // these sites
   std::vector<std::vector<OrderedFace>> reached_;  // per doubt that is lost: the connected part
   std::vector<std::int32_t> lost_;                 // per site: its place there, or -1
   std::vector<std::vector<OrderedFace>> found_;    // per chunk
