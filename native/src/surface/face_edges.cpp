@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "base/pair_hash.hpp"
 #include "base/parallel.hpp"
 
 namespace dapple {
@@ -16,9 +17,7 @@ class EdgeNumbers {
   explicit EdgeNumbers(std::vector<FaceEdges::Ends>& ends) : ends_(ends) {}
 
   std::uint16_t number_of(const FaceEdges::Ends& ends) {
-    const auto low = static_cast<std::uint64_t>(ends[0]),
-               high = static_cast<std::uint64_t>(ends[1]);
-    for (std::uint64_t k = (low * 0x9E3779B97F4A7C15U + high * 0xC2B2AE3D27D4EB4FU) >> 51;; ++k) {
+    for (std::uint64_t k = pair_hash(ends[0], ends[1]) >> 51;; ++k) {
       std::uint16_t& slot = slots_[k % kSlots];
       if (slot == kFree) {
         slot = static_cast<std::uint16_t>(ends_.size());
@@ -47,7 +46,7 @@ class Fan {
 
   /// \return how many there are, `first` included, or -1 at an edge of three faces, or where faces
   ///         are not oriented alike
-  std::int32_t size(OrderedFace first) const {
+  std::int32_t size(OrderedFace first) {
     const std::int32_t ahead = walk(first, /*turn=*/0);
     if (ahead < 0 || closed_) return ahead;
     const std::int32_t back = walk(first, /*turn=*/2);
@@ -56,7 +55,7 @@ class Fan {
 
  private:
   /// \param turn 0 to leave a face by the edge that begins at the vertex, 2 by the one before it
-  std::int32_t walk(OrderedFace first, std::int32_t turn) const {
+  std::int32_t walk(OrderedFace first, std::int32_t turn) {
     std::int32_t count = 0;
     OrderedFace face = first;
     do {
@@ -81,7 +80,7 @@ class Fan {
   const OrderedSurface& mesh_;
   std::span<const Face> corners_;
   std::int32_t vertex_, degree_;
-  mutable bool closed_ = false;
+  bool closed_ = false;
 };
 
 }  // namespace
@@ -155,7 +154,7 @@ void FaceEdges::find_pinched(const OrderedSurface& mesh, std::span<const std::in
   parallel_chunks(degrees.size(), kVertices, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       if (face_at_[v] < 0) continue;
-      const Fan fan(mesh, corners_, static_cast<std::int32_t>(v), degrees[v]);
+      Fan fan(mesh, corners_, static_cast<std::int32_t>(v), degrees[v]);
       pinched[v] = fan.size(OrderedFace{face_at_[v]}) != degrees[v] ? 1 : 0;
     }
   });

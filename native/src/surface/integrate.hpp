@@ -51,22 +51,29 @@ inline void add_linear_triangle(Integrals& sum, double area, const Triple& a, co
   }
 }
 
+inline void add_to(Vec3& sum, const Triple& part) { part.add_to(sum); }
+inline void add_to(Triple& sum, const Triple& part) { sum = sum + part; }
+
 /// Add a region's integrals, known relative to the same point.
-inline void add_integrals(Moments& sum, const Integrals& part) {
+/// \param sum Moments or Integrals
+template <typename Sum>
+void add_integrals(Sum& sum, const Integrals& part) {
   sum.area += part.area;
   sum.capacity += part.capacity;
   sum.mass += part.mass;
-  part.first.add_to(sum.first);
+  add_to(sum.first, part.first);
   sum.second += part.second;
 }
 
 /// Add a region's integrals, known relative to a point at `offset` from the reference point.
-inline void add_shifted(Moments& sum, const Moments& part, const Triple& offset) {
+/// \param sum Moments or Integrals
+template <typename Sum>
+void add_shifted(Sum& sum, const Moments& part, const Triple& offset) {
   const Triple first(part.first);
   sum.area += part.area;
   sum.capacity += part.capacity;
   sum.mass += part.mass;
-  (first + part.mass * offset).add_to(sum.first);
+  add_to(sum.first, first + part.mass * offset);
   sum.second += part.second + 2.0 * offset.dot(first) + part.mass * offset.squared_norm();
 }
 

@@ -63,8 +63,16 @@ void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells,
                         Context* context, RestrictedVoronoi& result) {
   begin(cells, leaves_gaps, context, result);
   if (graph || !is_for_march(sites.size()))
-    return build_by_floods(sites, graph, cells, leaves_gaps, context, result);
-  march(sites, context);
+    flood(sites, graph);
+  else
+    march(sites, context);
+  if (context) context->advance(1.0);
+}
+
+void CellBuilder::build_by_floods(const Sites& sites, const SiteGraph* graph, Cells cells,
+                                  bool leaves_gaps, Context* context, RestrictedVoronoi& result) {
+  begin(cells, leaves_gaps, context, result);
+  flood(sites, graph);
   if (context) context->advance(1.0);
 }
 
@@ -80,17 +88,15 @@ void CellBuilder::begin(Cells cells, bool leaves_gaps, Context* context,
   divided_.clear();
 }
 
-void CellBuilder::build_by_floods(const Sites& sites, const SiteGraph* graph, Cells cells,
-                                  bool leaves_gaps, Context* context, RestrictedVoronoi& result) {
-  begin(cells, leaves_gaps, context, result);
+/// Compute each cell on its own.
+void CellBuilder::flood(const Sites& sites, const SiteGraph* graph) {
   whole_ = graph && graph->periodic;
   start(sites, graph);
   find_area_to_cover();
-  Stretch flooding(context, 0.0, whole_ ? 1.0 : kFlooded), mending(context, kFlooded, 1.0);
+  Stretch flooding(context_, 0.0, whole_ ? 1.0 : kFlooded), mending(context_, kFlooded, 1.0);
   integrate(all_, flooding.context());
   if (!whole_ && missing_area()) share_uncovered_faces(mending.context());
-  result.boundaries.resize(boundary_count_);
-  if (context) context->advance(1.0);
+  result_->boundaries.resize(boundary_count_);
 }
 
 /// Whether there are so many faces that it takes less time to go through them than to flood each
@@ -102,12 +108,7 @@ bool CellBuilder::is_for_march(std::size_t count) const {
 void CellBuilder::march(const Sites& sites, Context* context) {
   if (!march_) march_ = std::make_unique<FaceMarch>(surface_, sites_, index_);
   place_sites(sites);
-  std::vector<OrderedFace> alone = faces_without_sites();
-  if (!leaves_ && !alone.empty()) {
-    for (Worker& worker : workers_) worker.flood.restart();
-    add_nearest_owners(alone);
-    index_owners();
-  }
+  if (!leaves_) share_out_alone();
   march_->start({divided_, owners_}, context);
   share_out_on(connected_ ? march_->disconnected_faces() : std::span<const OrderedFace>(), context);
   if (connected_)
@@ -141,6 +142,15 @@ std::vector<OrderedFace> CellBuilder::faces_without_sites() const {
     if (mesh.counts(nth_face(f)) && march_->lists().site_on(mesh.component(nth_face(f))) < 0)
       faces.push_back(nth_face(f));
   return faces;
+}
+
+/// Give the faces of components without a site to the nearest sites in space.
+void CellBuilder::share_out_alone() {
+  const std::vector<OrderedFace> alone = faces_without_sites();
+  if (alone.empty()) return;
+  for (Worker& worker : workers_) worker.flood.restart();
+  add_nearest_owners(alone);
+  index_owners();
 }
 
 /// Divide faces, with pieces that are not connected to their site, among sites that they are

@@ -77,6 +77,8 @@ class CellBuilder {
   void begin(Cells cells, bool leaves_gaps, Context* context, RestrictedVoronoi& result);
   [[nodiscard]] bool is_for_march(std::size_t count) const;
   void march(const Sites& sites, Context* context);
+  void flood(const Sites& sites, const SiteGraph* graph);
+  void share_out_alone();
   void place_sites(const Sites& sites);
   [[nodiscard]] std::vector<OrderedFace> faces_without_sites() const;
   void share_out_on(std::span<const OrderedFace> faces, Context* context);

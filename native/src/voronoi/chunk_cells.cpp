@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pair_hash.hpp"
+#include "base/prefetch.hpp"
+
 namespace dapple {
 namespace {
 
@@ -13,15 +16,6 @@ constexpr double kTie = 1e-14;
 constexpr double kParallel = 1e-10;  // relative determinant of bisectors that hardly cross
 constexpr std::size_t kFewPairs = 1024;
 constexpr std::size_t kAhead = 12;  // faces: memory takes as long as that
-
-template <typename T>
-void prefetch(const T* place) {
-#if defined(__GNUC__)
-  __builtin_prefetch(place);
-#else
-  static_cast<void>(place);
-#endif
-}
 
 }  // namespace
 
@@ -100,15 +94,9 @@ void ChunkCells::add_whole(OrderedFace face, std::int32_t site) {
   const FaceGeometry& geometry = mesh_->surface.ordered().geometry(face);
   const Moments& whole = geometry.moments;
   if (!(whole.area > 0.0)) return;
-  const Triple offset = Triple(geometry.centroid) - position(site), first(whole.first);
   CellPart& part = cell(site);
   part.pieces += mark_of(face);
-  Integrals& sum = part.sum;
-  sum.area += whole.area;
-  sum.capacity += whole.capacity;
-  sum.mass += whole.mass;
-  sum.first = sum.first + (first + whole.mass * offset);
-  sum.second += whole.second + 2.0 * offset.dot(first) + whole.mass * offset.squared_norm();
+  add_shifted(part.sum, whole, Triple(geometry.centroid) - position(site));
 }
 
 /// Divide the faces with two labels and one cut on each of two edges; the others go to rest_.
@@ -544,31 +532,28 @@ BoundaryPart& ChunkCells::boundary(std::int32_t first, std::int32_t second) {
       parts[last_pair_].second == second)
     return parts[last_pair_];
   if (2 * parts.size() >= pairs_.size()) make_room_for_boundaries();
-  const auto low = static_cast<std::uint64_t>(first), high = static_cast<std::uint64_t>(second);
-  for (std::uint64_t k = (low * 0x9E3779B97F4A7C15U + high * 0xC2B2AE3D27D4EB4FU) >> 32;; ++k) {
+  PairSlot& slot = slot_of(first, second);
+  if (slot.stamp != stamp_) {
+    slot = {stamp_, static_cast<std::uint32_t>(parts.size()), first, second};
+    parts.push_back({first, second});
+  }
+  last_pair_ = slot.place;
+  return parts[slot.place];
+}
+
+/// The slot of a pair, or the free one for it.
+ChunkCells::PairSlot& ChunkCells::slot_of(std::int32_t first, std::int32_t second) {
+  for (std::uint64_t k = pair_hash(first, second) >> 32;; ++k) {
     PairSlot& slot = pairs_[k & (pairs_.size() - 1)];
-    if (slot.stamp != stamp_) {
-      slot = {stamp_, static_cast<std::uint32_t>(parts.size()), first, second};
-      parts.push_back({first, second});
-    } else if (slot.first != first || slot.second != second) {
-      continue;
-    }
-    last_pair_ = slot.place;
-    return parts[slot.place];
+    if (slot.stamp != stamp_ || (slot.first == first && slot.second == second)) return slot;
   }
 }
 
 void ChunkCells::make_room_for_boundaries() {
   std::vector<PairSlot> old(4 * pairs_.size());
   old.swap(pairs_);
-  for (const PairSlot& slot : old) {
-    if (slot.stamp != stamp_) continue;
-    const auto low = static_cast<std::uint64_t>(slot.first);
-    const auto high = static_cast<std::uint64_t>(slot.second);
-    std::uint64_t k = (low * 0x9E3779B97F4A7C15U + high * 0xC2B2AE3D27D4EB4FU) >> 32;
-    while (pairs_[k & (pairs_.size() - 1)].stamp == stamp_) ++k;
-    pairs_[k & (pairs_.size() - 1)] = slot;
-  }
+  for (const PairSlot& slot : old)
+    if (slot.stamp == stamp_) slot_of(slot.first, slot.second) = slot;
 }
 
 }  // namespace dapple

@@ -197,6 +197,7 @@ class ChunkCells {
     std::uint32_t stamp = 0, place = 0;
     std::int32_t first = 0, second = 0;
   };
+  [[nodiscard]] PairSlot& slot_of(std::int32_t first, std::int32_t second);
 
   const LabeledMesh* mesh_;
   bool uniform_;

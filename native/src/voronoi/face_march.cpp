@@ -415,14 +415,8 @@ void FaceMarch::sum_cells() {
   cells_.resize(sites_->size());
   for (std::size_t k = 0; k < cells_.size(); ++k) cells_[k] = {static_cast<std::int32_t>(k)};
   for (const ChunkParts& chunk : parts_)
-    for (const CellPart& part : chunk.cells) {
-      Integrals& sum = cells_[as_index(part.site)].sum;
-      sum.area += part.sum.area;
-      sum.capacity += part.sum.capacity;
-      sum.mass += part.sum.mass;
-      sum.first = sum.first + part.sum.first;
-      sum.second += part.sum.second;
-    }
+    for (const CellPart& part : chunk.cells)
+      add_integrals(cells_[as_index(part.site)].sum, part.sum);
 }
 
 /// Sort the contributions to boundaries by cell.
