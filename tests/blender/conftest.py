@@ -7,6 +7,7 @@ them: pytest-xdist does not fit, its workers have no Blender executable around t
 
 import atexit
 import functools
+import itertools
 import os
 import shutil
 import sys
@@ -70,13 +71,26 @@ def _takes(name):
     return True
 
 
+def _taken(items):
+    """Those of the test items whose file no other process has taken, one file after the other."""
+    for name, group in itertools.groupby(items, key=lambda item: item.path.name):
+        if _takes(name):
+            yield from group
+
+
 @pytest.hookimpl(tryfirst=True)
-def pytest_runtest_protocol(item, nextitem):
-    """Pass over the tests of a file that another process has taken."""
-    if not _TAKEN or _takes(item.path.name):
+def pytest_runtestloop(session):
+    """Where several processes share the tests, run those that no other one has taken."""
+    if not _TAKEN or session.testsfailed or session.config.option.collectonly:
         return None
-    # The last test that ran has left what this one shares with it, such as their folder.
-    item.session._setupstate.teardown_exact(nextitem)
+    # Each test is told which one follows, so that what they share, such as a folder, is taken
+    # down in time.
+    for item, following_item in itertools.pairwise(itertools.chain(_taken(session.items), [None])):
+        item.config.hook.pytest_runtest_protocol(item=item, nextitem=following_item)
+        if session.shouldfail:
+            raise session.Failed(session.shouldfail)
+        if session.shouldstop:
+            raise session.Interrupted(session.shouldstop)
     return True
 
 
