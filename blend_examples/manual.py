@@ -50,7 +50,7 @@ def first_minutes(things: dict[str, bpy.types.Object]) -> Story:
     yield from until_told()
     yield from scene_shot("added")
     settings = bpy.context.object.dapple
-    settings.auto_update_choice = "ON"
+    settings.auto_update_mode = "ON"
     settings.instance, settings.random_scale_down = things["Pine"], 0.5
     window.only(("instances",))
     yield from window.until_shown()

@@ -14,7 +14,7 @@ from typing import Any
 
 import bpy
 
-from addon.blender.assets.marking import CATALOG, TAGS, empty_mesh, keep_together
+from addon.blender.assets.marking import CATALOG, TAGS, collect_instances, empty_mesh
 from addon.blender.scatter.modifier import ensure_modifier, write_instance_inputs
 from addon.nodes.assets import AUTHOR, LICENSE
 from scripts import ready_shapes as shapes
@@ -218,7 +218,7 @@ def build(ready: Ready) -> bpy.types.Object:
         setattr(obj.dapple, name, value)
     ensure_modifier(obj)
     write_instance_inputs(obj)
-    keep_together(obj)
+    collect_instances(obj)
     _mark(obj, ready)
     return obj
 

@@ -226,7 +226,7 @@ real=''
 # Those that meet what packing could lose or change: wheel, files, folders, a process of its own.
 on_zip=(
   tests/blender/test_{addon,docs,operators,window}.py tests/blender/{assets/test_assets,bake/test_bake,command/test_command}.py
-  tests/blender/{density/test_density,object_types/test_classes,presets/test_presets,settings/test_translation,tiles/test_tiles}.py
+  tests/blender/{density/test_density,object_types/test_object_types,presets/test_presets,settings/test_translation,tiles/test_tiles}.py
 )
 [ -z "$zip" ] || on_zip+=(tests/blender/test_package.py)
 if is_all || { [ -n "$only" ] && [ -z "$zip" ]; }; then on_zip=(tests/blender); fi

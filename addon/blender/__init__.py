@@ -25,7 +25,7 @@ from .export import operators as export_operators
 from .freshness import findings, unfinished_bakes
 from .hand_points import operators as hand_points_operators
 from .hand_points import tool
-from .object_types import classes
+from .object_types import operators as object_types_operators
 from .presets import operators as presets_operators
 from .scatter import modifier_tab
 from .settings import properties, updates
@@ -41,7 +41,7 @@ _WITH_CLASSES: tuple[Any, ...] = (
         bake_operators,
         subdivision,
         preview,
-        classes,
+        object_types_operators,
         density_operators,
         hand_points_operators,
         tool,
@@ -67,7 +67,7 @@ _LISTENING: tuple[Any, ...] = (  # to Blender's events, in this order
     auto_update,
     dropped,
     modifier_tab,
-    classes,
+    object_types_operators,
     copied_surfaces,
 )
 Step = tuple[Callable[[], None], Callable[[], None]]  # what it adds, and what takes that back

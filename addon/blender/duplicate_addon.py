@@ -12,9 +12,9 @@ import bpy
 from .base import PACKAGE
 from .base.labels import lines_of
 from .base.timers import call_off, call_within
-from .base.translation import english, told
+from .base.translation import english, translated
 
-_LOOK = 1.0  # seconds between two looks
+_POLL = 1.0  # seconds between two looks
 
 
 @dataclass
@@ -41,32 +41,32 @@ def wait(begin: Callable[[], None]) -> None:
     """Call begin when the other copy is disabled."""
     _waiting.begin = begin
     bpy.utils.register_class(DAPPLE_AP_waiting)
-    call_within(_LOOK, look)
+    call_within(_POLL, check)
     print(f"Dapple: {note(english)}")
 
 
 def stop() -> None:
     """Wait no more."""
     _waiting.begin = None
-    call_off(look)
+    call_off(check)
     bpy.utils.unregister_class(DAPPLE_AP_waiting)
 
 
-def look() -> float | None:
+def check() -> float | None:
     """Begin if the other copy is gone; seconds until the next look."""
     if _waiting.begin is None:
         return None
     if other():
-        return _LOOK
+        return _POLL
     begin = _waiting.begin
     stop()
     begin()
     return None
 
 
-def note(say: Callable[..., str] = told) -> str:
+def note(translate: Callable[..., str] = translated) -> str:
     """The message for the artist meanwhile."""
-    return say(
+    return translate(
         "Another copy of Dapple is enabled ('{other}'). This one ('{own}') does nothing "
         "until it is disabled",
         other=other(),

@@ -10,7 +10,7 @@ from .add.scatter_list import DAPPLE_OT_select_surface
 from .assets.operators import draw_placing
 from .bake.panel import DAPPLE_PT_animation
 from .base.labels import lines_of
-from .base.translation import told
+from .base.translation import translated
 from .density.panel import DAPPLE_MT_materials, DAPPLE_PT_density, draw_painting
 from .display.panel import DAPPLE_PT_display
 from .hand_points.panel import DAPPLE_PT_placement, draw_editing
@@ -84,7 +84,7 @@ def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context, icon:
     surface = active_surface(context)
     causes = subdivision.DIFFERENCES.of(surface) if surface else ()
     if causes:
-        text = told("Viewport and renders differ: {causes}", causes="; ".join(causes))
+        text = translated("Viewport and renders differ: {causes}", causes="; ".join(causes))
         lines_of(layout, text, icon)
         layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
 

@@ -34,7 +34,7 @@ class Placed:
 
 
 @dataclass(frozen=True)
-class Moment:
+class SceneInfo:
     """What all files of an export have in common."""
 
     times: list[float]  # numbers of the frames
@@ -64,7 +64,7 @@ def check_path(path: Path, frames: int) -> None:
         raise ScatterError("glTF cannot move instances: export a single frame, or USD")
 
 
-def write(path: Path, scatters: Sequence[Exported], moment: Moment) -> list[Path]:
+def write(path: Path, scatters: Sequence[Exported], scene_info: SceneInfo) -> list[Path]:
     """Write all scatters into a file; a table holds one, so that several get a file each.
 
     Returns:
@@ -75,8 +75,8 @@ def write(path: Path, scatters: Sequence[Exported], moment: Moment) -> list[Path
     """
     try:
         if path.suffix.lower() in TABLES:
-            return _write_tables(path, scatters, moment)
-        _write_scene(path, scatters, moment)
+            return _write_tables(path, scatters, scene_info)
+        _write_scene(path, scatters, scene_info)
     except (OSError, ValueError, ImportError) as error:
         raise ScatterError(f"'{path}' could not be written: {error}") from error
     return [path]
@@ -113,33 +113,35 @@ def _part(name: str) -> Any:
     return importlib.import_module(f"{PACKAGE}.{name}")
 
 
-def _write_scene(path: Path, scatters: Sequence[Exported], moment: Moment) -> None:
+def _write_scene(path: Path, scatters: Sequence[Exported], scene_info: SceneInfo) -> None:
     part = _part("instances")
     listed = [
-        part.Scatter(name, _instances(one, moment), one.prototypes)
+        part.Scatter(name, _instances(one, scene_info), one.prototypes)
         for name, one in zip(identifiers(one.name for one in scatters), scatters, strict=True)
     ]
     if path.suffix.lower() in GLTF:
-        _part("extras.gltf").write_scatters(path, listed, meters_per_unit=moment.meters_per_unit)
+        _part("extras.gltf").write_scatters(
+            path, listed, meters_per_unit=scene_info.meters_per_unit
+        )
     else:
-        times = moment.times if len(moment.times) > 1 else None
-        given = {"fps": moment.fps, "meters_per_unit": moment.meters_per_unit}
+        times = scene_info.times if len(scene_info.times) > 1 else None
+        given = {"fps": scene_info.fps, "meters_per_unit": scene_info.meters_per_unit}
         _part("extras.usd").write_scatters(path, listed, times=times, **given)
 
 
-def _write_tables(path: Path, scatters: Sequence[Exported], moment: Moment) -> list[Path]:
+def _write_tables(path: Path, scatters: Sequence[Exported], scene_info: SceneInfo) -> list[Path]:
     paths = [path]
     if len(scatters) > 1:
         names = identifiers(one.name for one in scatters)
         paths = [path.with_name(f"{path.stem}.{name}{path.suffix}") for name in names]
-    times = moment.times if len(moment.times) > 1 else None
+    times = scene_info.times if len(scene_info.times) > 1 else None
     for to, one in zip(paths, scatters, strict=True):
-        frames = _instances(one, moment)
+        frames = _instances(one, scene_info)
         _part("tables").write(to, frames, times=times, names=one.objects)
     return paths
 
 
-def _instances(one: Exported, moment: Moment) -> list[Any]:
+def _instances(one: Exported, scene_info: SceneInfo) -> list[Any]:
     """As dapple3d has them, with velocities if there are several frames."""
     part = _part("instances")
     found = [
@@ -151,8 +153,10 @@ def _instances(one: Exported, moment: Moment) -> list[Any]:
         )[0]
         for frame in one.frames
     ]
-    step = moment.times[1] - moment.times[0] if len(found) > 1 else 1.0
-    moved: list[Any] = part.with_velocities(found, moment.fps / step) if len(found) > 1 else found
+    step = scene_info.times[1] - scene_info.times[0] if len(found) > 1 else 1.0
+    moved: list[Any] = (
+        part.with_velocities(found, scene_info.fps / step) if len(found) > 1 else found
+    )
     return moved
 
 

@@ -15,8 +15,8 @@ SIZE = (160, 160)  # rows, columns; icons are square
 _FINER = 3  # drawn so many times larger, then averaged
 _INK = np.array([0.92, 0.92, 0.92])
 _MARK = np.array([0.95, 0.55, 0.15])
-_GROUND = np.array([0.5, 0.5, 0.5])
-_GROUND_ALPHA = 0.18
+_BACKGROUND = np.array([0.5, 0.5, 0.5])
+_BACKGROUND_ALPHA = 0.18
 _EDGE = 0.06  # of the height, free on all sides
 
 
@@ -64,7 +64,7 @@ class _Canvas:
     def __init__(self, size: tuple[int, int], edge: float = _EDGE) -> None:
         rows, columns = size[0] * _FINER, size[1] * _FINER
         self._pixels = np.zeros((rows, columns, 4))
-        self._pixels[:, :, :3], self._pixels[:, :, 3] = _GROUND, _GROUND_ALPHA
+        self._pixels[:, :, :3], self._pixels[:, :, 3] = _BACKGROUND, _BACKGROUND_ALPHA
         self._inset = edge * rows
         self._span = np.array([columns, rows]) - 2 * self._inset
 

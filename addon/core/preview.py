@@ -10,7 +10,7 @@ import numpy as np
 from .bake.baker import Start
 from .base.errors import StoppedError
 from .base.native import named
-from .density.ground import ground_of
+from .density.masked_surface import masked_surface_of
 from .solve.class_counts import tracked
 from .surface.arrays import Floats, SurfaceArrays, check_same_topology
 from .surface.binding import placed_of, samples_of
@@ -27,7 +27,7 @@ class Follower:
         self._first = surface
         self._seen: Floats = surface.vertices
         with named(surface.name):
-            self._ground = ground_of(surface, start.settings, context)
+            self._ground = masked_surface_of(surface, start.settings, context)
             samples = samples_of(start.binding, self._ground.original, start.ids, start.classes)
             self._tracker = tracked(
                 self._ground, self._ground.from_original(samples), start.settings

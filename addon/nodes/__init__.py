@@ -3,7 +3,7 @@
 
 from .builder import VERSION, VERSION_KEY, version_of
 from .detail import DETAIL_INPUTS
-from .inputs import get_input, has_input, inputs_of, put_inputs, set_input
+from .inputs import get_input, has_input, inputs_of, restore_inputs, set_input
 from .scatter import GROUP_NAME, INPUTS, INSTANCE_INPUTS, ensure_group, input_name, is_current
 
 __all__ = [
@@ -19,7 +19,7 @@ __all__ = [
     "input_name",
     "inputs_of",
     "is_current",
-    "put_inputs",
+    "restore_inputs",
     "set_input",
     "version_of",
 ]

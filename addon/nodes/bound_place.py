@@ -5,7 +5,7 @@ import bpy
 
 from ..core.surface.frames import LEAST_HEIGHT
 from .builder import Builder, Group, Socket, inner, new_group
-from .standing import STANDING
+from .orientation import ORIENTATION
 from .surface import NORMAL, SHADING
 
 SHADING_INPUTS = [
@@ -46,7 +46,7 @@ def _build_bound_place() -> bpy.types.NodeTree:
     b.output("Position", b.vector("ADD", positions[0], along))
     normal = b.vector("NORMALIZE", normal)
     feeds = (normal, _ahead(b, first, second, normal), b.input("Turn"), b.input("Side"))
-    b.output("Rotation", inner(b, STANDING, *feeds).outputs["Rotation"])
+    b.output("Rotation", inner(b, ORIENTATION, *feeds).outputs["Rotation"])
     b.arrange()
     return tree
 

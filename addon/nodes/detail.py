@@ -15,9 +15,9 @@ from .builder import Builder, Group, Socket, inner, new_group
 DETAIL_INPUTS = [
     ("Detail in Viewport", "NodeSocketBool"),
     ("Detail in Renders", "NodeSocketBool"),
-    ("Detail Distance", "NodeSocketFloat"),
+    ("Detail Full Until", "NodeSocketFloat"),
     ("Detail Minimum", "NodeSocketFloat"),
-    ("Detail Outside", "NodeSocketFloat"),
+    ("Detail Outside View", "NodeSocketFloat"),
     ("Detail Margin", "NodeSocketFloat"),
     ("Detail Fade", "NodeSocketFloat"),
     ("Detail Widen", "NodeSocketFloat"),
@@ -79,14 +79,14 @@ def _left(b: Builder, size: Socket, near: Socket) -> Socket:
 
 def _near(b: Builder, distance: Socket) -> Socket:
     """Share that is kept at a distance: as many per area of the picture, if seen from above."""
-    full = b.input("Detail Distance")
+    full = b.input("Detail Full Until")
     ratio = b.number("DIVIDE", full, b.number("MAXIMUM", distance, full))
     return b.number("MAXIMUM", b.number("MULTIPLY", ratio, ratio), b.input("Detail Minimum"))
 
 
 def _inside(b: Builder, outside: Socket) -> Socket:
     """1 in the view, and the share that is kept outside."""
-    kept = b.input("Detail Outside")
+    kept = b.input("Detail Outside View")
     out = b.compare("GREATER_THAN", outside, b.input("Detail Margin"), "FLOAT")
     some = b.compare("LESS_THAN", kept, 1.0, "FLOAT")
     return b.switch("FLOAT", some, 1.0, b.switch("FLOAT", out, 1.0, kept))

@@ -56,7 +56,7 @@ def inputs_of(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
     return {name: _plain(modifier[name]) for name in modifier.keys()}  # noqa: SIM118
 
 
-def put_inputs(modifier: bpy.types.NodesModifier, values: dict[str, Any]) -> None:
+def restore_inputs(modifier: bpy.types.NodesModifier, values: dict[str, Any]) -> None:
     """Store again what inputs_of has returned of the same node group."""
     now = inputs_of(modifier)
     changed = {name: value for name, value in values.items() if now.get(name) != value}

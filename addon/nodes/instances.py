@@ -19,7 +19,7 @@ def _build_instances() -> bpy.types.NodeTree:
         INSTANCES.name,
         [
             ("Points", "NodeSocketGeometry"),
-            ("Class", "NodeSocketInt"),
+            ("Object Type", "NodeSocketInt"),
             ("Instance", "NodeSocketObject"),
             ("Collection", "NodeSocketCollection"),
             ("Spacing", "NodeSocketFloat"),
@@ -35,7 +35,7 @@ def _build_instances() -> bpy.types.NodeTree:
     some = b.compare("GREATER_THAN", count, 0)
     shape = b.switch("GEOMETRY", some, _one(b), several)
     fits = b.compare("GREATER_THAN", b.input("Fit to Spacing"), 0.0, "FLOAT")
-    fitted = inner(b, FITTING, shape, b.input("Fit to Spacing")).outputs[0]
+    fitted = inner(b, FIT_TO_SPACING, shape, b.input("Fit to Spacing")).outputs[0]
     pool = b.switch("GEOMETRY", fits, shape, fitted)
     pool = _repeated(b, pool, count, some)
     placed = b.out(
@@ -59,7 +59,7 @@ INSTANCES = Group("Dapple Instances", _build_instances)
 def _chosen(b: Builder) -> Socket:
     fade = b.attribute_or("fade", "FLOAT", "FLOAT", 1.0)
     there = b.compare("GREATER_THAN", fade, 0.0, "FLOAT")
-    kind = b.input("Class")
+    kind = b.input("Object Type")
     mine = b.boolean(
         "AND", there, b.compare("EQUAL", b.attribute("dapple_object_type", "INT"), kind)
     )
@@ -84,10 +84,10 @@ def _boxed(b: Builder, source: Socket) -> Socket:
 def _scale(b: Builder, fits: Socket) -> Socket:
     """Of a point; where instances are fitted, their radius is 1 and it is theirs."""
     scale = b.attribute_or("scale", "FLOAT_VECTOR", "VECTOR", (1.0, 1.0, 1.0))
-    room = b.attribute("dapple_room", "FLOAT")
-    unknown = b.compare("LESS_EQUAL", room, 0.0, "FLOAT")
-    room = b.switch("FLOAT", unknown, room, b.number("MULTIPLY", b.input("Spacing"), 0.5))
-    fitted = b.scaled(scale, b.number("POWER", room, b.input("Fit to Spacing")))
+    clearance = b.attribute("dapple_clearance", "FLOAT")
+    unknown = b.compare("LESS_EQUAL", clearance, 0.0, "FLOAT")
+    clearance = b.switch("FLOAT", unknown, clearance, b.number("MULTIPLY", b.input("Spacing"), 0.5))
+    fitted = b.scaled(scale, b.number("POWER", clearance, b.input("Fit to Spacing")))
     return b.switch("VECTOR", fits, scale, fitted)
 
 
@@ -115,13 +115,15 @@ def _cone(b: Builder) -> Socket:
     return node.outputs["Mesh"]
 
 
-def _build_fitting() -> bpy.types.NodeTree:
+def _build_fit_to_spacing() -> bpy.types.NodeTree:
     """New group; Fit is the share of it, as an exponent: with 0.5 a radius of 4 becomes 2.
 
     What has no vertices keeps its size, as there is nothing to fit.
     """
     geometry = [("Instances", "NodeSocketGeometry")]
-    tree = new_group(FITTING.name, [*geometry, ("Fit to Spacing", "NodeSocketFloat")], geometry)
+    tree = new_group(
+        FIT_TO_SPACING.name, [*geometry, ("Fit to Spacing", "NodeSocketFloat")], geometry
+    )
     b = Builder(tree)
     shape = b.input("Instances")
     loose = b.compare("EQUAL", b.count(shape, "INSTANCES"), 0)
@@ -135,7 +137,7 @@ def _build_fitting() -> bpy.types.NodeTree:
     return tree
 
 
-FITTING = Group("Dapple Fitting", _build_fitting)
+FIT_TO_SPACING = Group("Dapple Fit to Spacing", _build_fit_to_spacing)
 
 
 def _radius(b: Builder, element: Socket, _index: Socket) -> Socket:
@@ -161,7 +163,7 @@ def _build_weighted() -> bpy.types.NodeTree:
     return tree
 
 
-WEIGHTED = Group("Dapple Weighted", _build_weighted)
+WEIGHTED = Group("Dapple Weighted Objects", _build_weighted)
 
 
 def _amount(b: Builder, _element: Socket, index: Socket) -> Socket:

@@ -26,12 +26,12 @@ class _Bound:
     corners: list[Socket]  # six
     weights: list[Socket]
     carry: Socket
-    gone: Socket  # 1 - fade
-    room: Socket
+    faded: Socket  # 1 - fade
+    clearance: Socket
     face: Socket | None = None  # of the triangles that keys name
 
     def sockets(self) -> list[Socket]:
-        return [*self.corners, *self.weights, self.carry, self.gone, self.room]
+        return [*self.corners, *self.weights, self.carry, self.faded, self.clearance]
 
 
 def _build_key_point() -> bpy.types.NodeTree:
@@ -51,8 +51,8 @@ def _build_key_point() -> bpy.types.NodeTree:
         [
             ("Position", "NodeSocketVector"),
             ("Rotation", "NodeSocketRotation"),
-            ("Gone", "NodeSocketFloat"),
-            ("Room", "NodeSocketFloat"),
+            ("Faded", "NodeSocketFloat"),
+            ("Clearance", "NodeSocketFloat"),
         ],
     )
     b = Builder(tree)
@@ -68,9 +68,9 @@ def _build_key_point() -> bpy.types.NodeTree:
         for kind, name in (("VECTOR", "Position"), ("ROTATION", "Rotation"))
     )
     b.output("Position", position)
-    b.output("Rotation", _leaning(b, rotation))
-    b.output("Gone", bound.gone)
-    b.output("Room", bound.room)
+    b.output("Rotation", _with_tilt(b, rotation))
+    b.output("Faded", bound.faded)
+    b.output("Clearance", bound.clearance)
     b.arrange()
     return tree
 
@@ -83,9 +83,9 @@ def _own(b: Builder) -> _Bound:
     return _Bound(
         [b.attribute(name, "INT") for name in _CORNERS],
         b.parts(b.attribute("dapple_barycentric", "FLOAT_VECTOR")),
-        b.attribute("dapple_carry", "FLOAT"),
-        b.attribute("dapple_gone", "FLOAT"),
-        b.attribute("dapple_room", "FLOAT"),
+        b.attribute("dapple_angle", "FLOAT"),
+        b.attribute("dapple_faded", "FLOAT"),
+        b.attribute("dapple_clearance", "FLOAT"),
     )
 
 
@@ -99,9 +99,9 @@ def _previewed(b: Builder) -> _Bound:
     return _Bound(
         [row(name, "INT") for name in _CORNERS],
         b.parts(row("dapple_barycentric", "FLOAT_VECTOR")),
-        row("dapple_carry", "FLOAT"),
-        row("dapple_gone", "FLOAT"),
-        b.attribute("dapple_room", "FLOAT"),
+        row("dapple_angle", "FLOAT"),
+        row("dapple_faded", "FLOAT"),
+        b.attribute("dapple_clearance", "FLOAT"),
     )
 
 
@@ -116,8 +116,8 @@ def _of_key(b: Builder) -> _Bound:
         [b.sample(triangles, b.attribute(name, "INT"), face, "INT") for name in _CORNERS],
         [first, second, third],
         carry,
-        _stored(b, rows, row, "dapple_gone", 0.0),
-        _stored(b, rows, row, "dapple_room", b.attribute("dapple_room", "FLOAT")),
+        _stored(b, rows, row, "dapple_faded", 0.0),
+        _stored(b, rows, row, "dapple_clearance", b.attribute("dapple_clearance", "FLOAT")),
         face,
     )
 
@@ -149,18 +149,18 @@ def _row(b: Builder) -> Socket:
     return row
 
 
-def _leaning(b: Builder, rotation: Socket) -> Socket:
+def _with_tilt(b: Builder, rotation: Socket) -> Socket:
     """As the key says, in axes that are not turned yet; only in a bake where instances lean."""
-    rows, lean = b.input("Keys"), b.attribute("dapple_lean", "FLOAT_VECTOR")
-    stored = b.sample(rows, lean.node.outputs["Exists"], 0, "BOOLEAN")
+    rows, tilt = b.input("Keys"), b.attribute("dapple_tilt", "FLOAT_VECTOR")
+    stored = b.sample(rows, tilt.node.outputs["Exists"], 0, "BOOLEAN")
     played = b.boolean("AND", b.input("Baked"), b.boolean("NOT", b.input("Live")))
     vector = b.node("ShaderNodeVectorRotate", rotation_type="Z_AXIS")
-    b.tree.links.new(b.sample(rows, lean, _row(b), "FLOAT_VECTOR"), vector.inputs["Vector"])
+    b.tree.links.new(b.sample(rows, tilt, _row(b), "FLOAT_VECTOR"), vector.inputs["Vector"])
     b.tree.links.new(b.number("MULTIPLY", b.input("Turn"), -1.0), vector.inputs["Angle"])
     length = b.node("ShaderNodeVectorMath", vector.outputs[0], operation="LENGTH").outputs["Value"]
     by = b.out("FunctionNodeAxisAngleToRotation", vector.outputs[0], length)
-    leaned = b.out("FunctionNodeRotateRotation", rotation, by, rotation_space="LOCAL")
-    return b.switch("ROTATION", b.boolean("AND", played, stored), rotation, leaned)
+    tilted = b.out("FunctionNodeRotateRotation", rotation, by, rotation_space="LOCAL")
+    return b.switch("ROTATION", b.boolean("AND", played, stored), rotation, tilted)
 
 
 def _stored(b: Builder, rows: Socket, row: Socket, name: str, other: Any) -> Socket:
@@ -178,7 +178,7 @@ def _chosen(b: Builder, condition: Socket, false: _Bound, true: _Bound) -> _Boun
     return _Bound(either[:6], either[6:9], *either[9:])
 
 
-def _build_moment() -> bpy.types.NodeTree:
+def _build_frame_keys() -> bpy.types.NodeTree:
     """New group; before the first and after the last frame, those hold.
 
     Fraction is the share of the second key. Where the topology changes between two frames, the
@@ -186,7 +186,7 @@ def _build_moment() -> bpy.types.NodeTree:
     whose number it is. Bound to the rest position, points are on any surface, and are mixed.
     """
     tree = new_group(
-        MOMENT.name,
+        FRAME_KEYS.name,
         [
             ("Frames", "NodeSocketGeometry"),
             ("First Frame", "NodeSocketInt"),
@@ -218,7 +218,7 @@ def _build_moment() -> bpy.types.NodeTree:
     return tree
 
 
-MOMENT = Group("Dapple Moment", _build_moment)
+FRAME_KEYS = Group("Dapple Frame Keys", _build_frame_keys)
 
 
 def _frame(b: Builder) -> tuple[Socket, Socket]:

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from .builder import Builder, Group, Socket, inner, new_group
-from .key_point import KEY_POINT, MOMENT
+from .key_point import FRAME_KEYS, KEY_POINT
 from .rest_place import REST_SHAPE
 from .surface import SHADING, SURFACE
 
@@ -56,14 +56,14 @@ def _build_points() -> bpy.types.NodeTree:
     turn = b.number("MULTIPLY", turn, b.input("Random Turn"))
     aligned = b.compare("EQUAL", b.input("Align to Normal"), 1.0, "FLOAT")
     early = b.switch("FLOAT", aligned, 0.0, turn)
-    position, rotation, gone, room = _placed(b, found, played, early)
+    position, rotation, faded, clearance = _placed(b, found, played, early)
     position, rotation = _moved(b, found, played, position, rotation)
     position = _lifted(b, position, rotation)
     stood = inner(
-        b, POSTURE, rotation, turn, aligned, b.input("Align to Normal"), b.input("Random Tilt")
+        b, ALIGNMENT, rotation, turn, aligned, b.input("Align to Normal"), b.input("Random Tilt")
     )
-    points = _with_attributes(b, position, stood.outputs["Rotation"], gone)
-    points = _with_room(b, points, played, room)
+    points = _with_attributes(b, position, stood.outputs["Rotation"], faded)
+    points = _with_clearance(b, points, played, clearance)
     b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
     b.arrange()
     return tree
@@ -84,7 +84,7 @@ class _Played:
     live: Socket
     resting: Socket  # whether points are found on the rest shape
     shape: Socket
-    moment: bpy.types.Node
+    scene_info: bpy.types.Node
     fits: Socket
 
 
@@ -101,11 +101,11 @@ def _played(b: Builder, geometry: Socket, shape: Socket) -> _Played:
     baked = b.compare("GREATER_THAN", b.count(keys), 0)
     live = _live(b, preview, count)
     rest, warning = b.input("Rest Binding"), b.input("Warning")
-    now = inner(b, MOMENT, frames, b.input("First Frame"), vertices, rest)
+    now = inner(b, FRAME_KEYS, frames, b.input("First Frame"), vertices, rest)
     bake = b.boolean("AND", baked, b.boolean("NOT", live))
     has = (vertices, b.count_faces(geometry))
     bound = (b.input("Surface Vertices"), now.outputs["Vertices"])
-    fits = inner(b, FIT, *has, *bound, count, b.input("Key Points"), bake, rest, warning)
+    fits = inner(b, CHECK, *has, *bound, count, b.input("Key Points"), bake, rest, warning)
     faces = b.compare("EQUAL", vertices, b.input("Rest Vertices"))
     resting = b.boolean("AND", rest, b.boolean("NOR", live, faces))
     stored = (keys, triangles, preview, count, baked, live)
@@ -131,7 +131,7 @@ def _placed(b: Builder, found: bpy.types.Node, played: _Played, turn: Socket) ->
     On whole frames of keys, and without any, the second key is not looked at.
     """
     stored = (played.keys, played.triangles, played.preview, played.count)
-    now = played.moment.outputs
+    now = played.scene_info.outputs
     switches = (played.baked, played.live, played.resting, played.shape, b.input("Rest Parts"))
     geometry, unmoved = found.outputs["Geometry"], found.outputs["Unmoved"]
     shaded = (unmoved, *inner(b, SHADING, unmoved).outputs)
@@ -170,22 +170,24 @@ def _lifted(b: Builder, position: Socket, rotation: Socket) -> Socket:
     return b.switch("VECTOR", none, there, position)
 
 
-def _with_attributes(b: Builder, position: Socket, rotation: Socket, gone: Socket) -> Socket:
+def _with_attributes(b: Builder, position: Socket, rotation: Socket, faded: Socket) -> Socket:
     """The points there, with their attributes."""
     placed = b.captured(
         b.input("Geometry"), Position=("VECTOR", position), Rotation=("ROTATION", rotation)
     )
     points = b.store(placed.outputs[0], "rotation", placed.outputs["Rotation"], "QUATERNION")
-    points = b.store(points, "fade", b.number("SUBTRACT", 1.0, gone), "FLOAT")
+    points = b.store(points, "fade", b.number("SUBTRACT", 1.0, faded), "FLOAT")
     points = b.store(points, "scale", _size(b), "FLOAT_VECTOR")
     return b.out("GeometryNodeSetPosition", points, True, placed.outputs["Position"])
 
 
-def _with_room(b: Builder, points: Socket, played: _Played, room: Socket) -> Socket:
+def _with_clearance(b: Builder, points: Socket, played: _Played, clearance: Socket) -> Socket:
     """With the room that a bake's keys hold, where they do; else the points have their own."""
-    exists = b.attribute("dapple_room", "FLOAT").node.outputs["Exists"]
+    exists = b.attribute("dapple_clearance", "FLOAT").node.outputs["Exists"]
     stored = b.boolean("AND", played.baked, b.sample(played.keys, exists, 0, "BOOLEAN"))
-    return b.switch("GEOMETRY", stored, points, b.store(points, "dapple_room", room, "FLOAT"))
+    return b.switch(
+        "GEOMETRY", stored, points, b.store(points, "dapple_clearance", clearance, "FLOAT")
+    )
 
 
 def _size(b: Builder) -> Socket:
@@ -206,10 +208,10 @@ def _size(b: Builder) -> Socket:
     return b.scaled(axes, b.switch("FLOAT", same, other, factor))
 
 
-def _build_posture() -> bpy.types.NodeTree:
+def _build_alignment() -> bpy.types.NodeTree:
     """New group; where Align is 1, Rotation is turned already."""
     tree = new_group(
-        POSTURE.name,
+        ALIGNMENT.name,
         [
             ("Rotation", "NodeSocketRotation"),
             ("Turn", "NodeSocketFloat"),
@@ -228,7 +230,7 @@ def _build_posture() -> bpy.types.NodeTree:
     return tree
 
 
-POSTURE = Group("Dapple Posture", _build_posture)
+ALIGNMENT = Group("Dapple Alignment", _build_alignment)
 
 
 def _upright(b: Builder, rotation: Socket) -> Socket:
@@ -249,13 +251,13 @@ def _tilted(b: Builder, rotation: Socket) -> Socket:
     return b.out("FunctionNodeRotateRotation", rotation, tilt, rotation_space="LOCAL")
 
 
-def _build_fit() -> bpy.types.NodeTree:
+def _build_check() -> bpy.types.NodeTree:
     """New group; Warning is the add-on's own warning, which hides nothing.
 
     On a surface without faces there is no point; in a bake that is no reason to warn.
     """
     tree = new_group(
-        FIT.name,
+        CHECK.name,
         [
             ("Vertices", "NodeSocketInt"),
             ("Faces", "NodeSocketInt"),
@@ -280,25 +282,27 @@ def _build_fit() -> bpy.types.NodeTree:
         b, other, "The number of vertices of the surface has changed: optimize the scatter"
     )
     lost = _warning(b, lost, "Points were added or removed since the bake: bake again")
-    said = b.compare("GREATER_THAN", b.out("FunctionNodeStringLength", b.input("Warning")), 0)
-    said = _warning(b, said, b.input("Warning"))
+    shown_warning = b.compare(
+        "GREATER_THAN", b.out("FunctionNodeStringLength", b.input("Warning")), 0
+    )
+    shown_warning = _warning(b, shown_warning, b.input("Warning"))
     # Changed settings show a warning and hide nothing; only a node that is used is evaluated.
-    bare = b.compare("EQUAL", b.input("Faces"), 0)
-    gone = b.boolean("AND", bare, b.boolean("NOR", played, other))
-    gone = _warning(b, gone, "The surface has no faces")
-    hidden = b.boolean("OR", b.boolean("OR", other, lost), b.boolean("OR", bare, gone))
-    b.output("Fits", b.boolean("NOR", hidden, b.boolean("AND", said, hidden)))
+    empty = b.compare("EQUAL", b.input("Faces"), 0)
+    faded = b.boolean("AND", empty, b.boolean("NOR", played, other))
+    faded = _warning(b, faded, "The surface has no faces")
+    hidden = b.boolean("OR", b.boolean("OR", other, lost), b.boolean("OR", empty, faded))
+    b.output("Fits", b.boolean("NOR", hidden, b.boolean("AND", shown_warning, hidden)))
     b.arrange()
     return tree
 
 
-FIT = Group("Dapple Fit", _build_fit)
+CHECK = Group("Dapple Check", _build_check)
 
 
-def _differs(b: Builder, number: Socket, asked: Socket) -> Socket:
+def _differs(b: Builder, number: Socket, requested: Socket) -> Socket:
     """Whether there is another number than is asked for; 0 asks for none."""
-    asks = b.compare("NOT_EQUAL", asked, 0)
-    return b.boolean("AND", asks, b.compare("NOT_EQUAL", number, asked))
+    limited = b.compare("NOT_EQUAL", requested, 0)
+    return b.boolean("AND", limited, b.compare("NOT_EQUAL", number, requested))
 
 
 def _warning(b: Builder, show: Socket, message: Any) -> Socket:

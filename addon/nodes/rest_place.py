@@ -4,7 +4,7 @@
 import bpy
 
 from .builder import Builder, Group, Socket, inner, new_group
-from .standing import STANDING
+from .orientation import ORIENTATION
 from .surface import NORMAL, SHADING
 
 PLACE = "dapple_place"
@@ -36,7 +36,7 @@ def _build_rest_place() -> bpy.types.NodeTree:
     normal = b.out("FunctionNodeTransformDirection", normal, b.input("Normals"))
     normal = b.vector("NORMALIZE", normal)
     feeds = (normal, edge, b.input("Turn"), b.input("Side"))
-    b.output("Rotation", inner(b, STANDING, *feeds).outputs["Rotation"])
+    b.output("Rotation", inner(b, ORIENTATION, *feeds).outputs["Rotation"])
     b.arrange()
     return tree
 

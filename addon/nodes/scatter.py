@@ -9,7 +9,9 @@ from .instances import INSTANCES
 from .points import NUMBERS, POINT_INPUTS, POINTS
 
 GROUP_NAME = "Dapple Scatter"
-_KINDS_KEY = "dapple_classes"  # that a group has inputs for; 0: one kind, inputs without a number
+_KINDS_KEY = (
+    "dapple_object_types"  # that a group has inputs for; 0: one kind, inputs without a number
+)
 _INSTANCES, _BOUNDS, _POINTS = range(3)  # what the input Display asks for
 _DOT = 0.15  # radius of a point that is shown, in spacings
 
@@ -70,7 +72,7 @@ def _inputs(classes: int) -> list[tuple[str, str]]:
 def build(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree:
     """New group, marked with its version."""
     kinds = _kinds(classes)
-    name = f"{GROUP_NAME} {classes} Classes" if classes else GROUP_NAME
+    name = f"{GROUP_NAME} {classes} Object Types" if classes else GROUP_NAME
     name, more = (f"{name} Detail", DETAIL_INPUTS) if detailed else (name, [])
     inputs = [*_inputs(classes), *more]
     tree = new_group(name, inputs, [("Geometry", "NodeSocketGeometry")])
@@ -81,8 +83,8 @@ def build(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree:
     hidden = b.input("Hidden")
     shown = inner(b, VIEWPORT, inner(b, POINTS, *feeds).outputs[0], hidden).outputs[0]
     if detailed:
-        asked = (b.input(name) for name, _ in DETAIL_INPUTS)
-        shown = inner(b, DETAIL, shown, *asked, hidden).outputs[0]
+        requested = (b.input(name) for name, _ in DETAIL_INPUTS)
+        shown = inner(b, DETAIL, shown, *requested, hidden).outputs[0]
     b.output("Geometry", _displayed(b, shown, kinds))
     b.arrange()
     return tree
@@ -90,13 +92,13 @@ def build(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree:
 
 def _displayed(b: Builder, shown: Socket, kinds: list[int | None]) -> Socket:
     """Points in a viewport that is to show them, else instances."""
-    asked = b.switch("INT", b.out("GeometryNodeIsViewport"), _INSTANCES, b.input("Display"))
-    boxes = b.compare("EQUAL", asked, _BOUNDS)
+    requested = b.switch("INT", b.out("GeometryNodeIsViewport"), _INSTANCES, b.input("Display"))
+    boxes = b.compare("EQUAL", requested, _BOUNDS)
     made = _instances(b, shown, kinds, boxes)
     there = b.compare("GREATER_THAN", b.attribute("fade", "FLOAT"), 0.0, "FLOAT")
     radius = b.number("MULTIPLY", b.input("Spacing"), _DOT)
     dots = b.out("GeometryNodeMeshToPoints", shown, there, None, radius)
-    return b.switch("GEOMETRY", b.compare("EQUAL", asked, _POINTS), made, dots)
+    return b.switch("GEOMETRY", b.compare("EQUAL", requested, _POINTS), made, dots)
 
 
 def _numbers(b: Builder, kinds: list[int | None]) -> list[Socket]:
@@ -130,10 +132,10 @@ def _instanced(b: Builder, placed: Socket, kind: int | None, boxes: Socket) -> S
 def _build_of_class() -> bpy.types.NodeTree:
     """New group; for each of NUMBERS the field so far, the first class's and this one's."""
     sockets = (f"{name}{which}" for name in NUMBERS for which in (" So Far", " First", ""))
-    inputs = [("Class", "NodeSocketInt"), *((name, "NodeSocketFloat") for name in sockets)]
+    inputs = [("Object Type", "NodeSocketInt"), *((name, "NodeSocketFloat") for name in sockets)]
     tree = new_group(OF_CLASS.name, inputs, [(name, "NodeSocketFloat") for name in NUMBERS])
     b = Builder(tree)
-    here = b.compare("EQUAL", b.attribute("dapple_object_type", "INT"), b.input("Class"))
+    here = b.compare("EQUAL", b.attribute("dapple_object_type", "INT"), b.input("Object Type"))
     for name in NUMBERS:
         before, own = b.input(f"{name} So Far"), b.input(name)
         other = b.compare("NOT_EQUAL", own, b.input(f"{name} First"), "FLOAT")
@@ -142,4 +144,4 @@ def _build_of_class() -> bpy.types.NodeTree:
     return tree
 
 
-OF_CLASS = Group("Dapple Class", _build_of_class)
+OF_CLASS = Group("Dapple Object Type", _build_of_class)

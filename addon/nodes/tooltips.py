@@ -5,12 +5,12 @@ _OF_CLASSES = "0123456789 "  # at the end of a name: "Scale 2" is described as "
 
 DEFAULTS = {
     "Align to Normal": 1.0,
-    "Class": -1,
-    "Detail Distance": 20.0,
+    "Object Type": -1,
+    "Detail Full Until": 20.0,
     "Detail Fade": 0.1,
     "Detail Margin": 1.0,
     "Detail Minimum": 0.05,
-    "Detail Outside": 0.1,
+    "Detail Outside View": 0.1,
     "Detail Widen": 0.5,
     "Detail in Renders": True,
     "Detail in Viewport": True,
@@ -54,10 +54,10 @@ INPUTS = {
     "the viewport",
     "Detail in Renders": "Show fewer points far from the scene's camera and outside its view, in "
     "renders",
-    "Detail Distance": "Distance from the camera up to which all points are shown; at twice the "
+    "Detail Full Until": "Distance from the camera up to which all points are shown; at twice the "
     "distance a quarter is left",
     "Detail Minimum": "Fraction of the points that is left at any distance",
-    "Detail Outside": "Fraction of these points that is left outside the camera's view",
+    "Detail Outside View": "Fraction of these points that is left outside the camera's view",
     "Detail Margin": "Distance from the camera's view up to which points count as inside",
     "Detail Fade": "Points shrink before they vanish, in this fraction of those that are left",
     "Detail Widen": "Widen instances that are left at a distance: with 1 they cover the same area",
@@ -83,7 +83,7 @@ INPUTS = {
     "Weights": "How often each object of the collection is picked, as the add-on writes it. Empty: "
     "all alike",
     "Points": "Points with the attributes rotation and scale; those whose fade is 0 are left out",
-    "Class": "Only instance on points with this dapple_object_type. Below 0: on all points",
+    "Object Type": "Only instance on points with this dapple_object_type. Below 0: on all points",
     "V": "Vertex of the surface, a corner of the triangle that the point lies in",
     "C": "Face corner of the surface at that vertex, whose normal the surface is shaded with",
     "W": "Weight of that vertex, a barycentric coordinate of the point",

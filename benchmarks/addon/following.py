@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from addon.blender.base import artist
+from addon.blender.base import user_activity
 from addon.blender.solve import auto_update, optimize
 from addon.core.base.steps import Stepper
 from addon.core.solve import incremental
@@ -58,7 +58,7 @@ def _surface(faces: int) -> bpy.types.Object:
 def _scatter(surface: bpy.types.Object, sites: int, types: int) -> bpy.types.Object:
     bpy.ops.dapple.add_scatter(count=10)
     scatter = bpy.context.object
-    scatter.dapple.auto_update_choice = "ON"
+    scatter.dapple.auto_update_mode = "ON"
     scatter.dapple.amount, scatter.dapple.points_per_area = "PER_AREA", sites / 4.0
     scatter.dapple.density.attribute = _GROUP
     for weight, radius in TYPES[:types] if types > 1 else ():
@@ -106,12 +106,12 @@ def _look() -> float | None:
 @contextmanager
 def _brush_on_surface() -> Iterator[None]:
     """A stroke, which a Blender without windows cannot paint."""
-    real = artist.is_painting
-    artist.is_painting = lambda: True
+    real = user_activity.is_painting
+    user_activity.is_painting = lambda: True
     try:
         yield
     finally:
-        artist.is_painting = real
+        user_activity.is_painting = real
 
 
 @contextmanager
@@ -124,11 +124,11 @@ def _parts() -> Iterator[dict[str, float]]:
         (optimize, "sources_of", "comparing"),
         (optimize.Update, "write", "writing"),
         (Stepper, "run_for", "main thread"),
-        (incremental, "ground_of", "  surface"),
+        (incremental, "masked_surface_of", "  surface"),
         (incremental, "relaxed", "  relaxing"),
         (incremental, "classes_relaxed", "  relaxing"),
         (incremental, "_scattered", "  columns"),
-        (optimize, "before_of", "reading points"),
+        (optimize, "previous_result", "reading points"),
     ]
     kept = [(owner, name, getattr(owner, name)) for owner, name, _ in timed]
     for owner, name, label in timed:

@@ -25,8 +25,12 @@ OWN = ("bound", "baked", "baked, between keys")  # cases that play back a scatte
 DISPLAYED: dict[str, dict[str, Any]] = {
     "bound, as bounds": {"display_as": "BOUNDS"},
     "bound, as points": {"display_as": "POINTS"},
-    "bound, all near the camera": {"detail_in_viewport": True, "detail_distance": 100.0},
-    "bound, most far": {"detail_in_viewport": True, "detail_distance": 1.0, "detail_minimum": 0.1},
+    "bound, all near the camera": {"detail_in_viewport": True, "detail_full_until": 100.0},
+    "bound, most far": {
+        "detail_in_viewport": True,
+        "detail_full_until": 1.0,
+        "detail_minimum": 0.1,
+    },
 }
 _FRAMES = range(2, 10)
 _AREA = 4.0 * np.pi * 1.1**2  # of the sphere, half swollen

@@ -60,6 +60,6 @@ def add_bake(
         leaving = slides & (random.random(sites) < 0.1)
         faces[leaving] = (faces[leaving] + 1) % len(arrays.faces)
         carry[leaving] += random.normal(0.0, 0.3, leaving.sum())
-        binding = replace(attached_to(arrays, faces, weights.copy()), carry=carry.copy())
+        binding = replace(attached_to(arrays, faces, weights.copy()), angle=carry.copy())
         keyframes.add(Placed(faces.copy(), binding), arrays, arrays, 0.01)
     write_baked(scatter, keyframes.packed(), 1, Report(count=sites, spacing=0.01))

@@ -14,7 +14,7 @@ import numpy as np
 
 from addon.core.bake.baker import Baker, Start
 from addon.core.bake.keys import Keyframes
-from addon.core.bake.lean import rotations
+from addon.core.bake.tilt import rotations
 from addon.core.settings.values import Settings
 from addon.core.surface.arrays import SurfaceArrays
 from addon.core.surface.binding import binding_of
@@ -57,7 +57,7 @@ def turns_of(animation: Animation, sites: int) -> np.ndarray:
     for vertices in animation.frames:
         baker.enter(SurfaceArrays(animation.name, vertices, animation.faces, ""))
         baker.advance(dapple.Context())
-        after = Placed(np.zeros(0, np.int32), baker.last, lean=baker.leaning.lean)
+        after = Placed(np.zeros(0, np.int32), baker.last, tilt=baker.tilts.tilt)
         if before is not None:
             turns.append(_between(before, after, vertices, animation.faces))
         before = after
@@ -81,8 +81,8 @@ def _between(before: Placed, after: Placed, vertices: np.ndarray, faces: np.ndar
 
 
 def _axes(placed: Placed, vertices: np.ndarray, normals: Normals) -> np.ndarray:
-    own = frames(placed.binding, vertices, normals).axes(placed.binding.carry)
-    return own if placed.lean is None else own @ rotations(placed.lean)
+    own = frames(placed.binding, vertices, normals).axes(placed.binding.angle)
+    return own if placed.tilt is None else own @ rotations(placed.tilt)
 
 
 if __name__ == "__main__":

@@ -177,7 +177,7 @@ def wandering_camera(obj: Any, _surface: Any) -> Forbidden:
     render.resolution_x = render.resolution_y = 512
     bpy.context.scene.camera = camera
     scenes.moving(camera, (1, (-0.3, 0.0, 1.5)), (scenes.FRAMES, (0.3, 0.0, 1.5)))
-    obj.dapple.density.use_camera, obj.dapple.density.camera_margin = True, 0.0
+    obj.dapple.density.use_camera_view, obj.dapple.density.camera_margin = True, 0.0
 
     def outside(places: np.ndarray, _frame: int) -> np.ndarray:
         middle = np.array(camera.matrix_world.translation)[:2]

@@ -146,7 +146,7 @@ def in_view(obj: Any, _surface: Any) -> Callable[[Any], Any]:
     bpy.context.scene.camera = camera
     render = bpy.context.scene.render
     render.resolution_x = render.resolution_y = 512
-    obj.dapple.density.use_camera, obj.dapple.density.camera_margin = True, 0.0
+    obj.dapple.density.use_camera_view, obj.dapple.density.camera_margin = True, 0.0
     return lambda places: np.abs(places[:, :2]).max(axis=1) > 0.5 + 0.02
 
 

@@ -22,7 +22,7 @@ def prepared():
     stones.objects.link(stone)
     obj = scenes.scattered(surface, count=80)
     _small_renders()
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     obj.dapple.density.attribute, obj.dapple.density.avoid_collection = "Grass", stones
 
 

@@ -41,14 +41,14 @@ def driven():
     clock = Clock()
     watcher.reset(clock)
     pictures = addon_host.part("blender.solve.changes")
-    glance, rarely = pictures.GLANCE, pictures.RARELY
-    pictures.GLANCE = pictures.RARELY = 0.0  # check at every opportunity
+    glance, rarely = pictures.IMAGE_PAUSE, pictures.IMAGE_PATIENCE
+    pictures.IMAGE_PAUSE = pictures.IMAGE_PATIENCE = 0.0  # check at every opportunity
     try:
         yield Driver(watcher, clock)
     finally:
         watcher.reset()
         watcher.enabled = False
-        pictures.GLANCE, pictures.RARELY = glance, rarely
+        pictures.IMAGE_PAUSE, pictures.IMAGE_PATIENCE = glance, rarely
 
 
 def _patient():
@@ -84,12 +84,12 @@ class Driver:
 
     def settle(self):
         """Until nothing is left to be done; how often something was written."""
-        written, follow_up = [], self.watcher.follow_up
-        self.watcher.follow_up = lambda obj: written.append(follow_up(obj))
+        written, follow_up = [], self.watcher.restart_preview
+        self.watcher.restart_preview = lambda obj: written.append(follow_up(obj))
         try:
             self._until_idle()
         finally:
-            self.watcher.follow_up = follow_up
+            self.watcher.restart_preview = follow_up
         return len(written)
 
     def _until_idle(self):

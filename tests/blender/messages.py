@@ -6,7 +6,13 @@ import ast
 import addon_host
 import bpy
 
-_TEMPLATES = {"told": 0, "say": 0, "english": 0, "reported": 0, "counted": 1}  # first argument
+_TEMPLATES = {
+    "translated": 0,
+    "translate": 0,
+    "english": 0,
+    "translated_report": 0,
+    "translated_count": 1,
+}  # first argument
 _OPERATORS = {"operator", "operator_menu_enum"}
 
 

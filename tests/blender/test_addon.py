@@ -268,7 +268,7 @@ def test_a_second_enabled_copy_says_so_and_leaves_the_first_alone(second, capsys
         f"Another copy of Dapple is enabled ('{addon_host.MODULE}'). This one ('{second}') does "
         "nothing until it is disabled"
     )
-    assert copies.look() > 0
+    assert copies.check() > 0
     assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60
     addon_utils.disable(second, default_set=True)
     assert not copies.waits()
@@ -279,7 +279,7 @@ def test_a_second_enabled_copy_works_when_the_first_is_disabled(second):
     copies = importlib.import_module(f"{second}.blender.duplicate_addon")
     addon_host.disable()
     assert not hasattr(bpy.types.Object, "dapple")
-    assert copies.look() is None
+    assert copies.check() is None
     obj = scenes.scattered(scenes.sphere())
     assert type(obj.dapple).__module__.startswith(second)
     assert len(scenes.positions(obj)) == 60

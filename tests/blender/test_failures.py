@@ -77,7 +77,7 @@ def without_attribute(obj):
 
 
 def without_camera(obj):
-    obj.dapple.density.use_camera = True
+    obj.dapple.density.use_camera_view = True
 
 
 def flat(obj):

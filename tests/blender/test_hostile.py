@@ -19,17 +19,17 @@ POINTS = {
     "dapple_v0": "INT",
     "dapple_v2": "INT",
     "dapple_barycentric": "FLOAT_VECTOR",
-    "dapple_carry": "FLOAT",
+    "dapple_angle": "FLOAT",
     "id": "INT",
     "dapple_object_type": "INT",
     "dapple_density": "FLOAT",
     "dapple_rank": "FLOAT",
     "dapple_locked": "BOOLEAN",
-    "dapple_gone": "FLOAT",
+    "dapple_faded": "FLOAT",
 }
 REST = {"dapple_rest": "FLOAT_VECTOR", "dapple_ahead": "FLOAT_VECTOR", "dapple_part": "INT"}
 STORES = {
-    "Keys": {"dapple_face": "INT", "dapple_gone": "FLOAT", "dapple_lean": "FLOAT_VECTOR"},
+    "Keys": {"dapple_face": "INT", "dapple_faded": "FLOAT", "dapple_tilt": "FLOAT_VECTOR"},
     "Triangles": {"dapple_v0": "INT"},
     "Frames": {
         "dapple_key": "INT",
@@ -369,8 +369,8 @@ def test_whatever_a_rest_binding_holds_a_sentence_is_said_of_it(files, name, way
 SAID = {
     "points dapple_object_type -9": r"dapple_object_type\[6\] is -9, it must be from 0 to ",
     f"points dapple_object_type {MOST}": r"dapple_object_type\[6\] is 2147483647, it must be",
-    "points dapple_carry nan": r"dapple_carry\[6\] is not finite: nan",
-    "points dapple_gone other type": "Attribute 'dapple_gone' of 'Tail Scatter' is INT on POINT",
+    "points dapple_angle nan": r"dapple_angle\[6\] is not finite: nan",
+    "points dapple_faded other type": "Attribute 'dapple_faded' of 'Tail Scatter' is INT on POINT",
     "Frames is light": "Frames 'Light' of 'Tail Scatter' is a light, not a mesh",
     "Frames is the scatter": "Frames of 'Tail Scatter' are its own points: bake again",
     "Keys none": "'Tail Scatter Keys' has no INT attribute 'dapple_face' on its points",

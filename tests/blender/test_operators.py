@@ -215,7 +215,7 @@ class Window:
             monkeypatch.setattr(module, "bpy", bpy_there)
         started = lambda operator, *_: self._start("MODAL", True)  # noqa: E731
         monkeypatch.setattr(self.operators.StepsOperator, "invoke", started)
-        asked = SimpleNamespace(ask=lambda _: self._start("BACKGROUND", True))
+        asked = SimpleNamespace(request=lambda _: self._start("BACKGROUND", True))
         monkeypatch.setattr(self.operators, "auto_update", asked)
 
     def press(self, kind, **properties):

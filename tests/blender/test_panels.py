@@ -250,7 +250,7 @@ def test_what_is_said_leaves_room_for_its_cross(monkeypatch):
     shown = drawn()
     said = shown[: shown.index("dapple.hide_message")]
     assert len(said) > 3
-    assert max(map(labels.width_of, said)) <= labels.room("INFO") - labels.BUTTON
+    assert max(map(labels.width_of, said)) <= labels.line_width("INFO") - labels.BUTTON
 
 
 def test_no_label_comes_first_where_a_bar_may_have_been():

@@ -191,13 +191,13 @@ def test_steps_are_called_what_the_artist_has_done(live, artist, monkeypatch):
     artist.press("add_scatter", count=30)
     artist.finish()
     obj = bpy.data.objects["Sphere Scatter"]
-    live.watcher.ask(obj)
+    live.watcher.request(obj)
     live.settle()
     asset = addon_host.part("blender.assets.marking").marked(obj)
     bpy.context.scene.collection.objects.link(asset)
     bpy.context.view_layer.update()
     asset.dapple.surface = surface
-    assert addon_host.part("blender.assets.dropped").look() is None
+    assert addon_host.part("blender.assets.dropped").check() is None
     live.settle()
     assert names == ["Add Scatter", "Optimize", "Place Scatter"]
     labels = [kind.bl_label for kind in addon_host.part("blender").CLASSES if has_step(kind)]

@@ -36,7 +36,7 @@ def events():
     with window():
         assert bpy.ops.dapple.add_scatter("INVOKE_DEFAULT", count=300) == {"CANCELLED"}
     yield from waited(lambda: has_points(300))
-    bpy.context.object.dapple.auto_update_choice = "ON"
+    bpy.context.object.dapple.auto_update_mode = "ON"
     yield from slider()
     yield from stroke(surface)
     yield from optimized_while_moving()
@@ -89,7 +89,7 @@ def stroke(surface):
 def optimized_while_moving():
     """Optimize is pressed and an object moved: the points come once that has ended."""
     live = addon_host.part("blender.solve.auto_update")
-    scatter().dapple.auto_update_choice = "OFF"
+    scatter().dapple.auto_update_mode = "OFF"
     scatter().dapple.count = 350
     bpy.context.view_layer.objects.active = scatter()
     undo_push("Count")
@@ -102,7 +102,7 @@ def optimized_while_moving():
         assert bpy.ops.transform.translate("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
     for _ in range(40):
         yield
-    assert live.is_asked(scatter())
+    assert live.is_requested(scatter())
     assert len(scatter().data.vertices) == 400
     click("RET")
     yield from waited(lambda: not the_window().modal_operators)
@@ -116,7 +116,7 @@ def optimized_while_moving():
         bpy.ops.ed.redo()
     assert fits(350)
     scatter().dapple.count = 400
-    scatter().dapple.auto_update_choice = "ON"
+    scatter().dapple.auto_update_mode = "ON"
     yield from waited(lambda: fits(400))
 
 

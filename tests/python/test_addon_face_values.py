@@ -10,10 +10,10 @@ from dapple3d import density
 from shapes import torus
 
 from addon.core.base.errors import ScatterError
-from addon.core.density.ground import ground_of
+from addon.core.density.masked_surface import masked_surface_of
 from addon.core.density.terms import density_of
 from addon.core.settings.values import MATERIAL, ClassSettings, DensitySettings, Settings
-from addon.core.solve.carried import Before
+from addon.core.solve.carried_points import PreviousResult
 from addon.core.solve.incremental import evened, is_whole, kept
 from addon.core.solve.locked import Locked
 from addon.core.solve.solve import scatter
@@ -66,13 +66,13 @@ def test_faces_keep_their_values_where_others_cut_them(width, cut):
     more = {"use_height": True, "height_min": -9.0, "height_max": 0.1, "height_falloff": 0.2}
     settings = DensitySettings(attribute="Grass", **(more if cut else {}))
     surface = surface_of(Grass=half(width), Moss=half(width, upper=False))
-    ground = ground_of(surface, Settings(count=500, density=settings))
-    assert ground.is_cut == cut
-    upper = above(surface)[ground.pieces[0]]
-    assert not ground.corner_density()[~upper].any()
-    assert ground.corner_density()[upper].max() == 1.0
-    assert not ground.corner_density("Moss").any()
-    plain = ground_of(surface, Settings(count=500, density=replace(settings, attribute="")))
+    masked = masked_surface_of(surface, Settings(count=500, density=settings))
+    assert masked.is_cut == cut
+    upper = above(surface)[masked.pieces[0]]
+    assert not masked.corner_density()[~upper].any()
+    assert masked.corner_density()[upper].max() == 1.0
+    assert not masked.corner_density("Moss").any()
+    plain = masked_surface_of(surface, Settings(count=500, density=replace(settings, attribute="")))
     own = plain.corner_density("Moss")
     assert not own[above(surface)[plain.pieces[0]]].any()
     assert own.any()
@@ -130,7 +130,7 @@ def test_a_material_mask_is_constant_on_faces(invert, strength, other):
 def changed(before, surface, settings, locked=None):
     """Points that follow a change as Auto Update has them."""
     context = dapple.Context()
-    stored = Before(before.binding, before.columns, before.solved)
+    stored = PreviousResult(before.binding, before.columns, before.solved)
     found = kept(stored, surface, settings, context, locked)
     return found if is_whole(found) else evened(found, context, locked)
 
@@ -197,7 +197,7 @@ def test_points_spread_evenly_over_faces_that_get_a_density():
     start = scatter(surface_of(Grass=few.astype(float)), settings, None)
     for values in (np.ones((len(FACES), 1)), half(upper=False)):
         found = changed(start, surface_of(Grass=values), settings)
-        surface = found.solved.ground.surface
+        surface = found.solved.masked.surface
         report = dapple.analyze(surface, found.solved.samples)
         assert report.count == 200
         assert report.capacity_variation < 0.02

@@ -10,14 +10,14 @@ from shapes import torus
 
 from addon.core.base.errors import ScatterError
 from addon.core.settings.values import ClassSettings, DensitySettings, Settings
-from addon.core.solve.carried import Before
+from addon.core.solve.carried_points import PreviousResult
 from addon.core.solve.incremental import as_placed, evened, is_whole, keeps, kept, measured
 from addon.core.solve.locked import Locked
 from addon.core.solve.solve import Scattered, scatter
 from addon.core.surface.arrays import SurfaceArrays, Surroundings
 from addon.core.surface.records import Binding
 
-ROWS = ("corners", "barycentric", "carry", "loops")
+ROWS = ("corners", "barycentric", "angle", "loops")
 BY_AREA = Settings(per_area=60.0)
 PAINTED = DensitySettings(attribute="Grass")
 
@@ -55,8 +55,8 @@ def blocked(surface: SurfaceArrays, shift: float = 0.0) -> SurfaceArrays:
     return replace(surface, around=Surroundings(obstacles=((stone, faces),)))
 
 
-def before_of(solved: Scattered, remembered: bool = True) -> Before:
-    return Before(solved.binding, solved.columns, solved.solved if remembered else None)
+def before_of(solved: Scattered, remembered: bool = True) -> PreviousResult:
+    return PreviousResult(solved.binding, solved.columns, solved.solved if remembered else None)
 
 
 def updated(solved: Scattered, surface: SurfaceArrays, settings: Settings, **more) -> Scattered:
@@ -274,7 +274,7 @@ def test_where_points_were_removed_by_hand_the_others_close_the_hole(removed, re
     assert solved.solved is not None
     placed = as_placed(solved.solved, ids[0], rows, ids[1], columns["dapple_object_type"])
     assert np.array_equal(placed.samples.positions, solved.positions[stays])
-    before = Before(rows, columns, placed, middle(surface)[None])
+    before = PreviousResult(rows, columns, placed, middle(surface)[None])
     fewer = replace(settings, count=3000 - removed)
     found = kept(before, surface, fewer, dapple.Context(), None)
     assert is_whole(found)

@@ -11,7 +11,7 @@ from dapple3d.density import noise
 from mask_checks import CUBE, CUBE_FACES, SQUARE, TWO, by_hand, falls, winding
 
 from addon.core.density import colors as density_colors
-from addon.core.density.ground import ground_of
+from addon.core.density.masked_surface import masked_surface_of
 from addon.core.density.terms import fields_of, range_of
 from addon.core.settings.density_table import DENSITY
 from addon.core.settings.values import DensitySettings, Settings
@@ -30,10 +30,10 @@ def plane(matrix=None, **around) -> SurfaceArrays:
 
 
 def density_at(surface: SurfaceArrays, points, count=4000, **density) -> np.ndarray:
-    """What the ground has at places of the square."""
-    ground = ground_of(surface, Settings(count=count, density=DensitySettings(**density)))
-    closest = dapple.project(ground.surface, np.ascontiguousarray(points))
-    corners = ground.corner_density()[closest.faces]
+    """What the masked has at places of the square."""
+    masked = masked_surface_of(surface, Settings(count=count, density=DensitySettings(**density)))
+    closest = dapple.project(masked.surface, np.ascontiguousarray(points))
+    corners = masked.corner_density()[closest.faces]
     return np.einsum("nk,nk->n", corners, closest.barycentric)
 
 
@@ -103,7 +103,7 @@ def test_a_closed_surface_has_no_border_and_the_mask_no_effect():
     surface = SurfaceArrays("Cube", CUBE, CUBE_FACES, "same")
     settings = DensitySettings(use_border=True, border_invert=True)
     assert fields_of(surface, settings) == []
-    assert not ground_of(surface, Settings(density=settings)).is_cut
+    assert not masked_surface_of(surface, Settings(density=settings)).is_cut
 
 
 def test_a_distance_to_nothing_has_no_effect():
@@ -113,10 +113,10 @@ def test_a_distance_to_nothing_has_no_effect():
 def test_a_sharp_height_ends_at_the_edge_of_a_floor():
     cube = SurfaceArrays("Cube", CUBE, CUBE_FACES, "same")
     settings = DensitySettings(use_height=True, height_min=1.0, height_max=2.0, height_falloff=0.0)
-    ground = ground_of(cube, Settings(count=300, density=settings))
-    top = (ground.surface.vertices[ground.surface.faces][:, :, 2] == 1.0).all(axis=1)
-    np.testing.assert_array_equal(ground.corner_density(), np.repeat(top[:, None], 3, axis=1))
-    assert ground.surface.capacity == pytest.approx(4.0)
+    masked = masked_surface_of(cube, Settings(count=300, density=settings))
+    top = (masked.surface.vertices[masked.surface.faces][:, :, 2] == 1.0).all(axis=1)
+    np.testing.assert_array_equal(masked.corner_density(), np.repeat(top[:, None], 3, axis=1))
+    assert masked.surface.capacity == pytest.approx(4.0)
 
 
 def roof(pitch: float) -> SurfaceArrays:
@@ -141,21 +141,21 @@ def test_aspect_and_other_terms_are_multiplied():
     surface = roof(0.6)
     surface = replace(surface, weights=weights)
     density = DensitySettings(use_aspect=True, attribute="Grass", aspect_strength=0.5)
-    ground = ground_of(surface, Settings(density=density))
+    masked = masked_surface_of(surface, Settings(density=density))
     own = weights["Grass"][surface.faces]
-    np.testing.assert_allclose(ground.own_density, own * [[0.5], [0.5], [1.0], [1.0]], atol=1e-12)
-    assert ground.own_density.shape == ground.corner_density().shape == (4, 3)
+    np.testing.assert_allclose(masked.own_density, own * [[0.5], [0.5], [1.0], [1.0]], atol=1e-12)
+    assert masked.own_density.shape == masked.corner_density().shape == (4, 3)
 
 
 def test_aspect_holds_within_faces_that_others_cut():
     density = {"use_aspect": True, "use_height": True, "height_max": 5.0, "height_min": -0.4}
-    ground = ground_of(roof(0.6), Settings(count=2000, density=DensitySettings(**density)))
-    assert ground.is_cut
-    corners = ground.surface.vertices[ground.surface.faces]
+    masked = masked_surface_of(roof(0.6), Settings(count=2000, density=DensitySettings(**density)))
+    assert masked.is_cut
+    corners = masked.surface.vertices[masked.surface.faces]
     north = corners[:, :, 1].mean(axis=1) > 0.0
     expected = [[falls(z, -0.4, 5.0, 0.1) for z in one] for one in corners[north][:, :, 2]]
-    np.testing.assert_allclose(ground.corner_density()[north], expected, atol=1e-9)
-    assert not ground.corner_density()[~north].any()
+    np.testing.assert_allclose(masked.corner_density()[north], expected, atol=1e-9)
+    assert not masked.corner_density()[~north].any()
 
 
 def turned_by(angle: float, shift) -> np.ndarray:
@@ -272,7 +272,9 @@ def test_colors_of_one_term_are_of_its_own_scale():
     assert shown.most == 1.0
     assert not shown.points
     everything = density_colors.computed(plane(), settings, "", False, None)
-    assert everything.points * ground_of(plane(), settings).surface.capacity == pytest.approx(300)
+    assert everything.points * masked_surface_of(
+        plane(), settings
+    ).surface.capacity == pytest.approx(300)
     by_area = Settings(per_area=12.0, density=settings.density)
     assert density_colors.computed(plane(), by_area, "", False, None).points == 12.0
     steps, colors = density_colors.ramp()

@@ -9,7 +9,7 @@ from ...nodes import get_input, has_input, set_input
 from ..base import operator_jobs, renders
 from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
-from ..scatter.library import read_only
+from ..scatter.linked_data import read_only
 from ..scatter.modifier import scatter_modifier, write_surface_inputs
 from ..scatter.object import is_scatter
 from ..surface.joined_parts import Piece, copied_with, is_joined, pieces_of

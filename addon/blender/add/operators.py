@@ -11,17 +11,17 @@ from ...core.base.steps import Steps
 from ...core.settings.tables import SCATTER
 from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, StepsOperator
-from ..base.translation import reported, told
+from ..base.translation import translated, translated_report
 from ..scatter.object import rest_note
-from ..settings.making import with_arguments
-from ..surface.joined_surface import put_on_selected, selected_beside
+from ..settings.declarations import with_arguments
+from ..surface.joined_surface import other_selected, put_on_selected
 from ..surface.polls import free, ready
 from .steps import add_steps
 
 _ADDED_WITH = [setting for setting in SCATTER if setting.name in ("count", "seed", "attach_to")]
 
 
-class _Adds(StepsOperator):
+class _AddOperator(StepsOperator):
     """Adds a scatter, which is then active."""
 
     properties: Any
@@ -43,7 +43,7 @@ class _Adds(StepsOperator):
             context.view_layer.objects.active = result.obj
         if result.note:
             return Outcome(result.obj, [("WARNING", result.note)])
-        note = rest_note(result.obj, reported)
+        note = rest_note(result.obj, translated_report)
         return Outcome(result.obj, [("INFO", note)] if note else [])
 
 
@@ -56,7 +56,7 @@ def _into_local_views(seen: bpy.types.Object, new: bpy.types.Object) -> None:
 
 
 @with_arguments(_ADDED_WITH)
-class DAPPLE_OT_add_scatter(_Adds, bpy.types.Operator):
+class DAPPLE_OT_add_scatter(_AddOperator, bpy.types.Operator):
     """Scatter points evenly on the active object, or on all selected objects as one surface"""
 
     bl_idname = "dapple.add_scatter"
@@ -72,7 +72,7 @@ class DAPPLE_OT_add_scatter(_Adds, bpy.types.Operator):
 
 
 @with_arguments(_ADDED_WITH)
-class DAPPLE_OT_add_over_collection(_Adds, bpy.types.Operator):
+class DAPPLE_OT_add_over_collection(_AddOperator, bpy.types.Operator):
     """Scatter points evenly on the objects of a collection as one surface. Objects that are added
     to the collection later belong to it too"""
 
@@ -87,7 +87,7 @@ class DAPPLE_OT_add_over_collection(_Adds, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if context.mode != "OBJECT":
-            cls.poll_message_set(told("Needs Object Mode"))
+            cls.poll_message_set(translated("Needs Object Mode"))
         return context.mode == "OBJECT" and free(cls)
 
     def about(self, context: bpy.types.Context) -> bpy.types.Object:
@@ -115,8 +115,8 @@ class DAPPLE_OT_surface_from_selected(AllOrNothing, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if not ready(cls, context, scatter=True):
             return False
-        if not selected_beside(context):
-            cls.poll_message_set(told("Needs other selected objects to be the surface"))
+        if not other_selected(context):
+            cls.poll_message_set(translated("Needs other selected objects to be the surface"))
             return False
         return True
 

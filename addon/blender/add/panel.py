@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import bpy
 
 from ..base.labels import at_right
-from ..base.panel_values import Prepared
-from ..base.translation import told
+from ..base.panel_values import CachedValue
+from ..base.translation import translated
 from ..presets.operators import draw_presets
 from ..scatter.object import is_surface
 from .operators import DAPPLE_OT_add_over_collection, DAPPLE_OT_add_scatter
@@ -35,7 +35,7 @@ def _scatters(surface: bpy.types.Object) -> tuple[Listed, ...]:
     return tuple(Listed(one.name, one.dapple.report.count, is_solo(one, found)) for one in found)
 
 
-SCATTERS = Prepared(_scatters, ())  # of a surface
+SCATTERS = CachedValue(_scatters, ())  # of a surface
 
 
 def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> None:
@@ -102,5 +102,5 @@ def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     add = DAPPLE_OT_add_scatter.bl_idname
     menu.layout.operator(add, text="Dapple Scatter", icon="OUTLINER_DATA_POINTCLOUD")
     if context.scene.collection.children:
-        text = told("Dapple Scatter over Collection")
+        text = translated("Dapple Scatter over Collection")
         menu.layout.menu(DAPPLE_MT_over_collection.__name__, text=text)

@@ -11,11 +11,11 @@ from ...nodes import get_input, has_input, set_input
 from ..base.all_or_nothing import once_done
 from ..base.recent_objects import activate
 from ..base.step_operators import OPTIONS, AllOrNothing
-from ..base.translation import told
+from ..base.translation import translated
 from ..freshness.unfinished_bakes import new_key
 from ..scatter.key_stores import STORES
 from ..scatter.key_writing import clear_keys
-from ..scatter.library import open_collections, read_only
+from ..scatter.linked_data import open_collections, read_only
 from ..scatter.modifier import scatter_modifier
 from ..scatter.object import is_scatter, surface_of
 from ..surface.joined_parts import is_joined, objects_of, parts_of
@@ -91,7 +91,7 @@ class _NamedOperator(AllOrNothing):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if context.mode != "OBJECT":
-            cls.poll_message_set(told("Needs Object Mode"))  # type: ignore[attr-defined]
+            cls.poll_message_set(translated("Needs Object Mode"))  # type: ignore[attr-defined]
         return context.mode == "OBJECT"
 
     def work(self, context: bpy.types.Context) -> None:

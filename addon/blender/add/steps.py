@@ -14,13 +14,13 @@ from ...core.settings.presets import Values, settings_with
 from ...core.solve.solve import Scattered, scatter
 from ...core.surface.arrays import SurfaceArrays
 from ...core.surface.rest import AtRest
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..freshness.unfinished_bakes import new_key
-from ..presets.fit import first_values, left_out_note, less_and_less
+from ..presets.fit import fallbacks, first_values, left_out_note
 from ..presets.stored import apply
 from ..scatter.store import new_scatter
 from ..solve.session_solutions import write_solved
-from ..surface.bound import rest_of
+from ..surface.current_binding import rest_of
 from ..surface.joined_surface import home_of, surface_over
 from ..surface.reading import as_read, read
 from ..surface.rest_position import kind_of_binding, rest_position, rest_position_kept
@@ -59,10 +59,10 @@ def add_steps(
     return Added(obj, left_out or note)
 
 
-def _as_far_as_it_fits(surface: Held, preset: Values, chosen: dict[str, Any]) -> Any:
+def _as_far_as_it_fits(surface: ObjectHandle, preset: Values, chosen: dict[str, Any]) -> Any:
     """The first of what the preset makes with less and less of it, and what is said of that."""
     first: ScatterError | None = None
-    for values, left_out in less_and_less(preset, chosen):
+    for values, left_out in fallbacks(preset, chosen):
         try:
             solved = yield from _solved(surface, _with_chosen(values, chosen))
         except ChangedError:
@@ -83,7 +83,7 @@ def _with_chosen(values: Values, chosen: dict[str, Any]) -> Values:
     return {**values, "": own}
 
 
-def _solved(surface: Held, values: Values) -> Any:
+def _solved(surface: ObjectHandle, values: Values) -> Any:
     settings = settings_with(values)
     kind = kind_of_binding(surface.get(), bpy.context, values[""].get("attach_to", "AUTO"))
     arrays = read(surface.get(), settings)

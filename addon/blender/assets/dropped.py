@@ -12,18 +12,18 @@ import bpy
 from mathutils import Vector
 
 from ...core.base.errors import ScatterError
-from ..base.artist import is_operated
 from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
 from ..base.timers import call_within
-from ..scatter.library import read_only
+from ..base.user_activity import is_operated
+from ..scatter.linked_data import read_only
 from ..scatter.object import is_scatter, is_surface, is_unsolved
 from ..solve import auto_update
-from ..solve.auto_update import is_held
+from ..solve.auto_update import is_blocked
 from .marking import instanced
 from .placing import place
 
-_HELD = 0.1  # seconds between two looks whether what holds it up is over
+_BLOCKED_PAUSE = 0.1  # seconds between two looks whether what holds it up is over
 _NEAR = 0.01  # of an object's size: what lies so near to it lies on it
 _HITS = 32  # objects that a ray goes through at most
 _DOWN = Vector((0.0, 0.0, -1.0))
@@ -47,10 +47,10 @@ def note(obj: bpy.types.Object) -> str:
     return _state.notes.get(obj.session_uid, "")
 
 
-def presumed(obj: bpy.types.Object) -> bpy.types.Object:
+def target_surface(obj: bpy.types.Object) -> bpy.types.Object:
     """The surface that a scatter is meant for; ScatterError where nobody knows."""
     active = next((one for one in bpy.data.objects if one.session_uid == _state.active), None)
-    found = presumed_surface(obj.matrix_world.translation, instanced(obj), active)
+    found = surface_at(obj.matrix_world.translation, instanced(obj), active)
     if found is None:
         raise ScatterError(f"There is no surface at '{obj.name}' and none below: choose one")
     return found
@@ -60,13 +60,13 @@ def touch(obj: bpy.types.Object) -> None:
     """A setting of a scatter was changed: if it has a surface and no points yet, it gets some."""
     if auto_update.enabled and is_unsolved(obj) and obj.dapple.surface is not None:
         _state.chosen.add(obj.session_uid)
-        call_within(0.0, look)
+        call_within(0.0, check)
 
 
-def look() -> float | None:
+def check() -> float | None:
     """Place what has come and what was given a surface; seconds until the next time."""
-    if is_held() or is_operated():
-        return _HELD
+    if is_blocked() or is_operated():
+        return _BLOCKED_PAUSE
     for obj in _waiting():
         new = obj.session_uid not in _state.known
         _state.known.add(obj.session_uid)
@@ -86,7 +86,7 @@ def _waiting() -> list[bpy.types.Object]:
 
 def _presume(obj: bpy.types.Object) -> None:
     try:
-        surface = presumed(obj)
+        surface = target_surface(obj)
     except ScatterError:  # the artist is asked for it
         return
     _place(obj, surface)
@@ -101,7 +101,7 @@ def _place(obj: bpy.types.Object, surface: bpy.types.Object | None) -> None:
     except ScatterError as error:
         left_out = str(error)
     else:
-        auto_update.ask(obj, "Place Scatter")
+        auto_update.request(obj, "Place Scatter")
     if left_out:
         _state.notes[obj.session_uid] = left_out
 
@@ -115,7 +115,7 @@ def _updated(evaluation: Evaluation) -> None:
         _state.active = active.session_uid
     for obj, update in evaluation.objects():
         if update.uid not in _state.known and is_unsolved(obj):
-            call_within(0.0, look)
+            call_within(0.0, check)
 
 
 def _know_all() -> None:
@@ -132,18 +132,18 @@ def _undone() -> None:
 
 
 SUBSCRIBER = Subscriber(
-    updated=_updated, loaded=_know_all, undone=_undone, enabled=_know_all, ticks=(look,)
+    updated=_updated, loaded=_know_all, undone=_undone, enabled=_know_all, ticks=(check,)
 )
 
 
-def presumed_surface(
-    place: Vector, passed_over: Collection[bpy.types.Object], otherwise: bpy.types.Object | None
+def surface_at(
+    place: Vector, skipped: Collection[bpy.types.Object], otherwise: bpy.types.Object | None
 ) -> bpy.types.Object | None:
     """What a place lies on, else what is below it, else the given object; None: nobody knows."""
     there = [
         obj
         for obj in bpy.context.view_layer.objects
-        if is_surface(obj) and obj.visible_get() and obj not in passed_over
+        if is_surface(obj) and obj.visible_get() and obj not in skipped
     ]
     own = otherwise if otherwise in there else None
     return _nearest(place, there) or _below(place, there) or own

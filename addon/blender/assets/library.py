@@ -7,9 +7,9 @@ from pathlib import Path
 import bpy
 
 from .. import base
-from ..base.panel_values import Prepared
+from ..base.panel_values import CachedValue
 from ..base.step_operators import AllOrNothing
-from ..base.translation import reported, told
+from ..base.translation import translated, translated_report
 
 NAME = "Dapple"
 FOLDER = base.FOLDER / "assets"
@@ -20,7 +20,7 @@ def missing_assets() -> str:
     """Why there is no library to add; empty when there is one."""
     if (FOLDER / ASSETS_FILE).is_file():
         return ""
-    return told(
+    return translated(
         "{file} is missing: it is only part of the extension that Blender installs from a zip",
         file=ASSETS_FILE,
     )
@@ -59,7 +59,7 @@ class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> None:
         found = library()
         if found is not None:
-            text = reported("The asset library '{name}' already exists", name=found.name)
+            text = translated_report("The asset library '{name}' already exists", name=found.name)
             self.report({"INFO"}, text)
             return
         libraries = context.preferences.filepaths.asset_libraries
@@ -70,7 +70,7 @@ class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
             libraries.remove(added)
             raise
         context.preferences.is_dirty = True
-        self.report({"INFO"}, reported("Asset library '{name}' added", name=added.name))
+        self.report({"INFO"}, translated_report("Asset library '{name}' added", name=added.name))
 
 
 def _append(added: bpy.types.UserAssetLibrary) -> None:
@@ -91,7 +91,7 @@ class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if library() is None:
-            cls.poll_message_set(told("The preferences have no Dapple asset library"))
+            cls.poll_message_set(translated("The preferences have no Dapple asset library"))
         return library() is not None
 
     def work(self, context: bpy.types.Context) -> None:
@@ -119,7 +119,7 @@ def _assets(_: None) -> Assets:
     return Assets(library() is not None, missing_assets())
 
 
-ASSETS = Prepared(_assets, Assets())
+ASSETS = CachedValue(_assets, Assets())
 
 
 CLASSES = (

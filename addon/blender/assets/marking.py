@@ -28,14 +28,14 @@ def marked(obj: bpy.types.Object) -> bpy.types.Object:
     asset = obj.copy()
     asset.name = f"{obj.name} Asset"
     asset.data = empty_mesh(asset.name)
-    _leave_place(asset, obj)
-    _leave_result(asset)
-    keep_together(asset)
+    _clear_place(asset, obj)
+    _clear_result(asset)
+    collect_instances(asset)
     asset.asset_mark()
-    said = asset.asset_data
-    said.description, said.catalog_id = _description(asset), CATALOG
+    metadata = asset.asset_data
+    metadata.description, metadata.catalog_id = _description(asset), CATALOG
     for tag in TAGS:
-        said.tags.new(tag, skip_if_exists=True)
+        metadata.tags.new(tag, skip_if_exists=True)
     return asset
 
 
@@ -60,7 +60,7 @@ def _kinds(obj: bpy.types.Object) -> list[bpy.types.PropertyGroup]:
     return [obj.dapple, *obj.dapple.object_types]
 
 
-def _leave_place(asset: bpy.types.Object, obj: bpy.types.Object) -> None:
+def _clear_place(asset: bpy.types.Object, obj: bpy.types.Object) -> None:
     """Hold on to nothing that is where the scatter is."""
     gone = {obj.dapple.surface, obj.parent}
     asset.parent = None
@@ -88,7 +88,7 @@ def _object_inputs(modifier: bpy.types.Modifier) -> Iterator[str]:
             yield item.name
 
 
-def _leave_result(asset: bpy.types.Object) -> None:
+def _clear_result(asset: bpy.types.Object) -> None:
     """Know of no points: what is no setting is of a result."""
     settings = {setting.name for setting in GROUPS[""]}
     for prop in asset.dapple.bl_rna.properties:
@@ -96,7 +96,7 @@ def _leave_result(asset: bpy.types.Object) -> None:
             asset.dapple.property_unset(prop.identifier)
 
 
-def keep_together(asset: bpy.types.Object) -> None:
+def collect_instances(asset: bpy.types.Object) -> None:
     """Put what is instanced into a hidden collection of the asset's own.
 
     Blender puts appended objects into the scene, those of a collection with it, which it looks for

@@ -13,8 +13,8 @@ from ..base import jobs
 from ..base.labels import lines_of
 from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator, tried
-from ..base.translation import reported, told
-from ..scatter.library import read_only
+from ..base.translation import translated, translated_report
+from ..scatter.linked_data import read_only
 from ..scatter.object import is_surface, is_unsolved
 from ..surface.polls import ready
 from . import dropped
@@ -38,7 +38,9 @@ class DAPPLE_OT_mark_asset(AllOrNothing, bpy.types.Operator):
         made = marked(context.object)
         if not bpy.app.background:
             _draw_preview(context, made)
-        text = reported("Asset '{name}' added: save the file in an asset library", name=made.name)
+        text = translated_report(
+            "Asset '{name}' added: save the file in an asset library", name=made.name
+        )
         self.report({"INFO"}, text)
 
 
@@ -68,7 +70,9 @@ class DAPPLE_OT_place_scatter(StepsOperator, bpy.types.Operator):
         if not ready(cls, context, scatter=True):
             return False
         if not is_unsolved(context.object):
-            cls.poll_message_set(told("This scatter has points: choose its surface and optimize"))
+            cls.poll_message_set(
+                translated("This scatter has points: choose its surface and optimize")
+            )
         return is_unsolved(context.object)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
@@ -90,7 +94,7 @@ class DAPPLE_OT_place_scatter(StepsOperator, bpy.types.Operator):
 
     def _surface(self, context: bpy.types.Context) -> bpy.types.Object:
         if not self.surface:
-            return context.object.dapple.surface or dropped.presumed(context.object)
+            return context.object.dapple.surface or dropped.target_surface(context.object)
         found = context.view_layer.objects.get(self.surface)
         if not is_surface(found):
             raise ScatterError(f"'{self.surface}' is not a surface of the view layer")
@@ -106,7 +110,7 @@ def draw_placing(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bool:
     if read_only(obj):
         lines_of(layout, read_only(obj), "LIBRARY_DATA_DIRECT")
         return True
-    lines_of(layout, told("Choose a surface: the points are then placed on it"), "INFO")
+    lines_of(layout, translated("Choose a surface: the points are then placed on it"), "INFO")
     row = layout.row()
     row.scale_y = 1.5
     row.prop(obj.dapple, "surface")

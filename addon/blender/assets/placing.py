@@ -10,9 +10,9 @@ from mathutils import Matrix
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps
 from ..base.all_or_nothing import once_done
-from ..base.object_handles import Held
-from ..base.translation import reported
-from ..presets.fit import met
+from ..base.object_handles import ObjectHandle
+from ..base.translation import translated_report
+from ..presets.fit import without_missing
 from ..presets.stored import apply, values_of
 from ..scatter.object import surface_of
 from ..solve.optimize import optimize_steps
@@ -38,17 +38,19 @@ def place(obj: bpy.types.Object, surface: bpy.types.Object) -> str:
     fit_classes(obj, reasons)
     if not reasons:
         return ""
-    return reported("Not possible on this surface, skipped: {reasons}", reasons="; ".join(reasons))
+    return translated_report(
+        "Not possible on this surface, skipped: {reasons}", reasons="; ".join(reasons)
+    )
 
 
 def place_steps(context: bpy.types.Context, surface: bpy.types.Object) -> Steps:
     """Place the active scatter and solve it; returns what is said of settings that do not fit."""
-    held, before = Held(context.object), _Before.of(context.object)
+    handle, before = ObjectHandle(context.object), _AssetState.of(context.object)
     try:
         note = place(context.object, surface)
-        yield from optimize_steps(held)
+        yield from optimize_steps(handle)
     except BaseException:
-        before.put_back(held)
+        before.restore(handle)
         raise
     return note
 
@@ -69,7 +71,7 @@ def _remove(before: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
 
 def _fit_density(obj: bpy.types.Object, reasons: list[str]) -> None:
     density = values_of(obj)["density"]
-    fitting = met({"density": density}, obj.dapple.surface, bpy.context, reasons)
+    fitting = without_missing({"density": density}, obj.dapple.surface, bpy.context, reasons)
     for name in density.keys() - fitting.get("density", {}).keys():
         obj.dapple.density.property_unset(name)
 
@@ -86,7 +88,7 @@ def fit_classes(obj: bpy.types.Object, reasons: list[str]) -> None:
 
 
 @dataclass(frozen=True)
-class _Before:
+class _AssetState:
     """What a scatter was before it was placed."""
 
     surface: bpy.types.Object | None
@@ -95,13 +97,13 @@ class _Before:
     densities: tuple[str, ...]
 
     @classmethod
-    def of(cls, obj: bpy.types.Object) -> "_Before":
+    def of(cls, obj: bpy.types.Object) -> "_AssetState":
         densities = tuple(kind.density for kind in obj.dapple.object_types)
         return cls(obj.dapple.surface, obj.matrix_world.copy(), values_of(obj), densities)
 
-    def put_back(self, held: Held) -> None:
+    def restore(self, handle: ObjectHandle) -> None:
         try:
-            obj = held.get()
+            obj = handle.get()
         except ScatterError:  # it was removed
             return
         obj.dapple.surface, obj.matrix_world = self.surface, self.matrix

@@ -12,7 +12,7 @@ from ...core.base.errors import ScatterError
 from ...core.base.steps import Task
 from ...core.settings.values import Settings
 from ...core.surface.arrays import SurfaceArrays, check_unchanged, is_reordered
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..scatter.object import is_fluid
 from ..surface.reading import at_frame
 from ..surface.rest_position import kind_of_binding
@@ -35,7 +35,7 @@ class Masks:
         self.known = Known(arrays=self.last)
 
     def at_frame(
-        self, surface: Held, held: Held, frame: int, kind: str, may_be_bare: bool
+        self, surface: ObjectHandle, handle: ObjectHandle, frame: int, kind: str, may_be_empty: bool
     ) -> SurfaceArrays:
         """The surface on a frame; where something is not there, all is as on the frame before."""
         try:
@@ -43,13 +43,13 @@ class Masks:
                 surface,
                 frame,
                 settings=self.settings,
-                own=held,
+                own=handle,
                 kind=kind,
-                may_be_bare=may_be_bare,
+                may_be_empty=may_be_empty,
                 known=self.known,
             )
         except ScatterError:
-            arrays = at_frame(surface, frame, kind=kind, may_be_bare=may_be_bare)
+            arrays = at_frame(surface, frame, kind=kind, may_be_empty=may_be_empty)
             if arrays.topology == self.last.topology:
                 last = self.last
                 return replace(
@@ -60,28 +60,30 @@ class Masks:
         return arrays
 
 
-def may_be_bare(obj: bpy.types.Object, kind: str) -> bool:
+def may_be_empty(obj: bpy.types.Object, kind: str) -> bool:
     """Whether a bake of a scatter that is bound so goes on over frames without faces."""
     follows = obj.dapple.new_topology == "REATTACH" or kind == "REST"
     return _keeps_density(obj) and follows and not len(obj.dapple.object_types)
 
 
-def begin_of(held: Held, surface: Held, first: int, last: int) -> Any:
+def first_frame_with_faces(
+    handle: ObjectHandle, surface: ObjectHandle, first: int, last: int
+) -> Any:
     """The first frame of a bake on which there can be points, and what they are bound to there;
     in steps. That frame is shown then.
     """
     begin = first
-    if _keeps_density(held.get()):
+    if _keeps_density(handle.get()):
         begin = yield from _first_with_faces(surface, first, last)
-    kind = kind_of_binding(surface.get(), bpy.context, held.get().dapple.attach_to)
-    if begin > first and not may_be_bare(held.get(), kind):
-        raise ScatterError(_refused(held.get(), surface.get().name, first))
+    kind = kind_of_binding(surface.get(), bpy.context, handle.get().dapple.attach_to)
+    if begin > first and not may_be_empty(handle.get(), kind):
+        raise ScatterError(_refused(handle.get(), surface.get().name, first))
     return begin, kind
 
 
-def _first_with_faces(surface: Held, first: int, last: int) -> Any:
+def _first_with_faces(surface: ObjectHandle, first: int, last: int) -> Any:
     for frame in range(first, last + 1):
-        if len(at_frame(surface, frame, may_be_bare=True).faces):
+        if len(at_frame(surface, frame, may_be_empty=True).faces):
             return frame
         yield Task(lambda _: None, 0.0, 0.0)
     name = surface.get().name
@@ -89,27 +91,31 @@ def _first_with_faces(surface: Held, first: int, last: int) -> Any:
 
 
 def read_frame(
-    held: Held, surface: Held, frame: int, kind: str, masks: Masks | None = None
+    handle: ObjectHandle, surface: ObjectHandle, frame: int, kind: str, masks: Masks | None = None
 ) -> SurfaceArrays:
     """The surface on a frame of a bake, without faces only where that may be; with what its density
     takes there, if masks are given.
     """
-    bare = _keeps_density(held.get())
+    empty = _keeps_density(handle.get())
     if masks is None:
-        arrays = at_frame(surface, frame, kind=kind, may_be_bare=bare)
+        arrays = at_frame(surface, frame, kind=kind, may_be_empty=empty)
     else:
-        arrays = masks.at_frame(surface, held, frame, kind, bare)
-    if not (len(arrays.faces) or may_be_bare(held.get(), kind)):
-        raise ScatterError(_refused(held.get(), surface.get().name, frame))
+        arrays = masks.at_frame(surface, handle, frame, kind, empty)
+    if not (len(arrays.faces) or may_be_empty(handle.get(), kind)):
+        raise ScatterError(_refused(handle.get(), surface.get().name, frame))
     return arrays
 
 
 def appeared(
-    baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, known: Known | None
+    baker: Baker,
+    handle: ObjectHandle,
+    surface: ObjectHandle,
+    arrays: SurfaceArrays,
+    known: Known | None,
 ) -> SurfaceArrays:
     """Have points appear on faces that have come back; the frame."""
     number = baker.first + baker.done
-    then = at_frame(surface, number, settings=baker.start.settings, own=held, known=known)
+    then = at_frame(surface, number, settings=baker.start.settings, own=handle, known=known)
     baker.appear(replace(then, rest=arrays.rest))
     return replace(then, rest=arrays.rest) if baker.follows else arrays
 
@@ -119,23 +125,27 @@ def _keeps_density(obj: bpy.types.Object) -> bool:
 
 
 def _refused(obj: bpy.types.Object, name: str, frame: int) -> str:
-    said = f"Surface '{name}' has no faces at frame {frame}"
+    text = f"Surface '{name}' has no faces at frame {frame}"
     if len(obj.dapple.object_types):
-        return f"{said}: points of object types cannot appear again behind it"
-    return f"{said}: set New Topology to Reattach to have no points there"
+        return f"{text}: points of object types cannot appear again behind it"
+    return f"{text}: set New Topology to Reattach to have no points there"
 
 
 def crossed(
-    baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, known: Known | None = None
+    baker: Baker,
+    handle: ObjectHandle,
+    surface: ObjectHandle,
+    arrays: SurfaceArrays,
+    known: Known | None = None,
 ) -> SurfaceArrays:
     """Have a baker cross to the faces of its next frame, which is returned as read again."""
-    if baker.is_bare:
-        return appeared(baker, held, surface, arrays, known)
+    if baker.is_empty:
+        return appeared(baker, handle, surface, arrays, known)
     number = baker.first + baker.done
     before, after = baker.now, arrays
     if arrays.rest is None and baker.at_seam:
         before, after = _seam(surface, number, baker.bound.topology)
-    then = at_frame(surface, number, settings=baker.start.settings, own=held, known=known)
+    then = at_frame(surface, number, settings=baker.start.settings, own=handle, known=known)
     # Quads are cut as where values were read: these are of the corners of triangles, too.
     there = replace(after, faces=then.faces, loops=then.loops, around=then.around)
     baker.cross(before, replace(there, weights=then.weights, digests=then.digests))
@@ -143,7 +153,7 @@ def crossed(
     return replace(again, rest=arrays.rest)
 
 
-def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:
+def _seam(surface: ObjectHandle, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:
     """The surface just before and just after it loses its topology, between two frames.
 
     Bisected, so that it hardly moves between both, however far it moves in a frame.
@@ -163,10 +173,10 @@ def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, Surf
 
 
 @dataclass
-class Steady:
+class StableOrder:
     """Reads the frames of a bake in one order of faces, wherever they come in that too."""
 
-    surface: Held
+    surface: ObjectHandle
 
     def first(self, obj: bpy.types.Object, read: Read) -> SurfaceArrays:
         """The first frame, in the order to which the points of a scatter are attached."""

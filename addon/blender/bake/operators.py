@@ -8,7 +8,7 @@ import bpy
 from ...core.base.steps import Steps
 from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator, is_under_way
-from ..base.translation import counted, operator_label, reported, told
+from ..base.translation import operator_label, translated, translated_count, translated_report
 from ..display import preview
 from ..freshness import findings
 from ..freshness.unfinished_bakes import all_work_files, finished_files
@@ -42,21 +42,23 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
-        said = []
-        if result.anew:
-            preview.solved_anew(obj)
-            text = reported("The points were optimized again first: {reason}", reason=result.anew)
-            said.append(("INFO", text))
+        messages = []
+        if result.reoptimized_reason:
+            preview.restart(obj)
+            text = translated_report(
+                "The points were optimized again first: {reason}", reason=result.reoptimized_reason
+            )
+            messages.append(("INFO", text))
         if result.trouble:
-            said.append(("WARNING", result.trouble))
+            messages.append(("WARNING", result.trouble))
         if result.taken:
-            text = reported(
+            text = translated_report(
                 "{taken} of {done} frames were already solved by a stopped bake",
                 taken=result.taken,
                 done=result.done,
             )
-            said.append(("INFO", text))
-        return Outcome(obj, said)
+            messages.append(("INFO", text))
+        return Outcome(obj, messages)
 
 
 class DAPPLE_OT_clear_bake(AllOrNothing, bpy.types.Operator):
@@ -97,8 +99,8 @@ class DAPPLE_OT_discard_unfinished_bake(AllOrNothing, bpy.types.Operator):
         return context.window_manager.invoke_confirm(
             self,
             event,
-            title=told("Discard the unfinished bake?"),
-            message=counted(
+            title=translated("Discard the unfinished bake?"),
+            message=translated_count(
                 count,
                 "{count} solved frame will be deleted from disk",
                 "{count:,} solved frames will be deleted from disk",

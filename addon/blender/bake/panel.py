@@ -7,11 +7,11 @@ import bpy
 
 from ...core.settings.solver_options import MOTION
 from ..base.labels import lines_of
-from ..base.translation import counted, told
+from ..base.translation import translated, translated_count
 from ..display import preview
 from ..display.preview import DAPPLE_OT_live_preview
 from ..freshness import findings
-from ..freshness.contents import frozen_note
+from ..freshness.content_changes import frozen_note
 from ..freshness.unfinished_bakes import unsaved_note
 from ..scatter.object import follows_masks
 from ..scatter.panel import ScatterPanel, draw_in_header
@@ -38,8 +38,8 @@ class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
         for option in MOTION:
             layout.prop(settings, option.name)
         row = layout.row()
-        row.active = settings.masks_over_time == "FIRST_FRAME" or follows_masks(context.object)
-        row.prop(settings, "masks_over_time")
+        row.active = settings.masks == "FIRST_FRAME" or follows_masks(context.object)
+        row.prop(settings, "masks")
         layout.prop(settings, "keyframe_step")
         layout.prop(settings, "new_topology")
         row = layout.row(align=True)
@@ -50,7 +50,7 @@ class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
             if frozen_note(context.object):
                 lines_of(layout, frozen_note(context.object), "INFO")
         else:
-            lines_of(layout, told("Not baked: points stick to the surface"), "INFO")
+            lines_of(layout, translated("Not baked: points stick to the surface"), "INFO")
         row = layout.row(align=True)
         row.operator(DAPPLE_OT_live_preview.bl_idname, depress=preview.is_on(context.object))
         row.use_property_split = False
@@ -66,14 +66,14 @@ def _draw_work_files(layout: bpy.types.UILayout, known: findings.Findings | None
     if known is None:
         return
     if known.unfinished:
-        text = counted(
+        text = translated_count(
             known.unfinished,
             "Unfinished bake: {count} frame is solved, Bake continues",
             "Unfinished bake: {count} frames are solved, Bake continues",
         )
         lines_of(layout, text, "INFO")
     if known.left_over:
-        text = counted(
+        text = translated_count(
             known.left_over,
             "{count} frame solved from other settings or points is kept",
             "{count} frames solved from other settings or points are kept",
@@ -87,10 +87,10 @@ def baked_line(obj: bpy.types.Object) -> str:
     """Which frames are baked, and what the frames without a key lose."""
     settings, report = obj.dapple, obj.dapple.report
     last = settings.baked_start + settings.baked_frames - 1
-    line = told("Baked: frames {first} to {last}", first=settings.baked_start, last=last)
+    line = translated("Baked: frames {first} to {last}", first=settings.baked_start, last=last)
     if settings.baked_keys == settings.baked_frames:
         return line
-    return told(
+    return translated(
         "{baked}, {keys} keyframes; between them points are off by {mean:.2g} spacings (at "
         "most {most:.2g})",
         baked=line,

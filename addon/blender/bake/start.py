@@ -8,10 +8,10 @@ from typing import Any
 import bpy
 
 from ...core.bake.baker import Baker, Start
-from ...core.bake.grounds import is_of_the_world, may_move
 from ...core.bake.keys import Keyframes
+from ...core.bake.masked_surfaces import is_of_the_world, may_move
 from ...core.bake.population import PopulationBaker
-from ...core.bake.window_bake import TogetherBaker
+from ...core.bake.window_bake import WindowBaker
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Task
 from ...core.settings.values import Settings
@@ -20,31 +20,33 @@ from ...core.surface.arrays import SurfaceArrays
 from ...core.surface.records import Binding, Columns, as_stored, check_ids
 from ...core.surface.rest import with_distinct_parts
 from ...core.surface.sources import Sources, differing, sources_of
-from ..base.object_handles import Held
-from ..freshness.contents import solution_reason
+from ..base.object_handles import ObjectHandle
+from ..freshness.content_changes import solution_reason
 from ..freshness.unfinished_bakes import work_files
 from ..scatter.object import follows_masks, settings_of
 from ..scatter.points import locked_points, places_of, point_columns_of
-from ..surface.bound import current_binding, other_faces
+from ..surface.current_binding import current_binding, other_faces
 from ..surface.reading import at_frame
 
 _SOLVING = 0.1  # of the progress of a bake whose points are optimized anew first
 
 
 @dataclass
-class Begun:
+class BakeStart:
     """What a bake begins with, in its first frame."""
 
     arrays: SurfaceArrays
     sources: Sources
     solved: Scattered | None = None  # the points anew; None: those that are stored
-    anew: str = ""  # why
+    reoptimized_reason: str = ""  # why
     progress: float = 0.0  # of the bake, so far
 
-    def note_moving(self, held: Held, surface: Held, settings: Settings, frame: int) -> None:
+    def note_moving(
+        self, handle: ObjectHandle, surface: ObjectHandle, settings: Settings, frame: int
+    ) -> None:
         """Note what is on a frame not as in the first one: later that is no sign of a change."""
         try:
-            now = sources_of(at_frame(surface, frame, settings=settings, own=held), settings)
+            now = sources_of(at_frame(surface, frame, settings=settings, own=handle), settings)
         except ScatterError:  # a density of the first frame only
             now = replace(self.sources, exact={}, near={})
         self.note(differing(self.sources, now))
@@ -55,28 +57,28 @@ class Begun:
         self.sources = replace(self.sources, moving=tuple(sorted(moving)))
 
 
-def begin_bake(held: Held, arrays: SurfaceArrays, settings: Settings) -> Any:
+def begin_bake(handle: ObjectHandle, arrays: SurfaceArrays, settings: Settings) -> Any:
     """The points of the first frame: those that are stored, where they are of these settings and
     of what is there; else they are optimized anew.
     """
-    obj, sources = held.get(), sources_of(arrays, settings)
+    obj, sources = handle.get(), sources_of(arrays, settings)
     _check_faces(obj, arrays)
     reason = solution_reason(obj, sources)
     if not reason:
-        return Begun(arrays, sources)
+        return BakeStart(arrays, sources)
     locked = locked_points(obj)
     solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked), 0.0, _SOLVING)
-    return Begun(arrays, sources, solved, reason, _SOLVING)
+    return BakeStart(arrays, sources, solved, reason, _SOLVING)
 
 
-def frozen_in(begun: Begun, baker: Baker) -> list[str]:
+def frozen_in(bake_start: BakeStart, baker: Baker) -> list[str]:
     """Roles of what moves and was not followed, though the density reads it."""
     settings = baker.start.settings
     if baker.follows or not may_move(settings):
         return []
     shaped = is_of_the_world(settings.density, baker.first_surface.around)
     rides = {"faces", "scale", "noise", *(() if shaped else ("shape",))}
-    return [role for role in begun.sources.moving if role not in rides]
+    return [role for role in bake_start.sources.moving if role not in rides]
 
 
 def new_baker(
@@ -106,7 +108,7 @@ def new_baker(
         return PopulationBaker(*common, follows, fits, fade=fade)
     if smoothing == "FORWARD":
         return Baker(*common, follows, fits)
-    return TogetherBaker(*common, fits=fits, closed=smoothing == "LOOP")
+    return WindowBaker(*common, fits=fits, closed=smoothing == "LOOP")
 
 
 def _binding(

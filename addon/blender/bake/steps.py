@@ -15,35 +15,35 @@ from ...core.surface.arrays import SurfaceArrays
 from ...core.surface.rest import at_rest
 from ..base.all_or_nothing import all_or_nothing
 from ..base.mesh_arrays import to_local
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.times import times_of
-from ..base.translation import reported
-from ..freshness.concurrent_edits import Meanwhile
+from ..base.translation import translated_report
+from ..freshness.concurrent_edits import ConcurrentEdits
 from ..scatter.key_writing import write_baked
 from ..scatter.modifier import ensure_modifier, write_surface_inputs
 from ..scatter.object import settings_of, surface_of
 from ..scatter.store import write_binding, write_scattered
 from ..surface.reading import at_frame, frame_kept
 from ..surface.rest_position import rest_position
-from .frames import Masks, Steady, begin_of, crossed, read_frame
-from .start import Begun, begin_bake, frozen_in, new_baker
+from .frames import Masks, StableOrder, crossed, first_frame_with_faces, read_frame
+from .start import BakeStart, begin_bake, frozen_in, new_baker
 
 
 def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
     """Keys of the frames from first to last, each re-optimized; returns the Baker."""
-    held, surface = Held(context.object), Held(surface_of(context.object))
+    handle, surface = ObjectHandle(context.object), ObjectHandle(surface_of(context.object))
     first, last = times_of(context.scene, first, last)
     if last < first:
         raise ScatterError(f"The frame range is empty: {first} to {last}")
-    meanwhile = Meanwhile(held)
+    edits = ConcurrentEdits(handle)
     with frame_kept(context.scene, show=first):
-        begin, kind = yield from begin_of(held, surface, first, last)
+        begin, kind = yield from first_frame_with_faces(handle, surface, first, last)
     with rest_position(surface, kind):
         with frame_kept(context.scene):
             frames = _Frames(first, begin, last)
-            begun, baker = yield from _carry(held, surface, frames, kind, meanwhile)
-        meanwhile.check()
-        write_bake(held.get(), begun, baker, kind)
+            bake_start, baker = yield from _carry(handle, surface, frames, kind, edits)
+        edits.check()
+        write_bake(handle.get(), bake_start, baker, kind)
     return baker
 
 
@@ -61,38 +61,40 @@ class _Frames:
         return self.first + (self.last - self.first + 1) // 2, self.last
 
 
-def _carry(held: Held, surface: Held, frames: _Frames, kind: str, meanwhile: Meanwhile) -> Any:
+def _carry(
+    handle: ObjectHandle, surface: ObjectHandle, frames: _Frames, kind: str, edits: ConcurrentEdits
+) -> Any:
     first, begin = frames.first, frames.begin
-    settings = settings_of(held.get())
+    settings = settings_of(handle.get())
 
     def read_first() -> SurfaceArrays:
-        return at_frame(surface, begin, settings=settings, own=held, kind=kind)
+        return at_frame(surface, begin, settings=settings, own=handle, kind=kind)
 
-    steady = Steady(surface)
-    arrays = steady.first(held.get(), read_first)
-    begun = yield from begin_bake(held, arrays, settings)
+    steady = StableOrder(surface)
+    arrays = steady.first(handle.get(), read_first)
+    bake_start = yield from begin_bake(handle, arrays, settings)
     count = frames.last - first + 1
-    baker = new_baker(held.get(), surface.get(), arrays, first, count, begun.solved)
+    baker = new_baker(handle.get(), surface.get(), arrays, first, count, bake_start.solved)
     masks = Masks(settings, arrays) if baker.follows else None
-    baker.anew, there = begun.anew, begin
+    baker.reoptimized_reason, there = bake_start.reoptimized_reason, begin
     for frame in range(first, frames.last + 1):
-        meanwhile.check()
+        edits.check()
         if frame != begin or begin != first:
-            read = partial(read_frame, held, surface, frame, kind, masks)
+            read = partial(read_frame, handle, surface, frame, kind, masks)
             arrays = steady.next(baker.bound, read)
         there = frame if len(arrays.faces) else there
         if frame in frames.noted:
-            begun.note_moving(held, surface, settings, there)
-        yield from _solve(baker, held, surface, arrays, begun.progress, masks)
-    yield from _finish(baker, begun.progress)
-    steady.check(begun.arrays, read_first)
-    return begun, baker
+            bake_start.note_moving(handle, surface, settings, there)
+        yield from _solve(baker, handle, surface, arrays, bake_start.progress, masks)
+    yield from _finish(baker, bake_start.progress)
+    steady.check(bake_start.arrays, read_first)
+    return bake_start, baker
 
 
 def _solve(
     baker: Baker,
-    held: Held,
-    surface: Held,
+    handle: ObjectHandle,
+    surface: ObjectHandle,
     arrays: SurfaceArrays,
     begin: float,
     masks: Masks | None,
@@ -101,9 +103,9 @@ def _solve(
     if not len(arrays.faces):
         baker.vanish(arrays)
         return
-    if baker.is_bare or baker.changes(arrays):
+    if baker.is_empty or baker.changes(arrays):
         yield from _finish(baker, begin)
-        arrays = crossed(baker, held, surface, arrays, masks.known if masks else None)
+        arrays = crossed(baker, handle, surface, arrays, masks.known if masks else None)
     baker.enter(arrays)
     shares = [begin + (1.0 - begin) * share for share in baker.share]
     try:
@@ -125,8 +127,8 @@ def _finish(baker: Baker, begin: float) -> Any:
 
 def _stopped(baker: Baker) -> str:
     if baker.sidecar is None or not baker.reports:
-        return reported("Canceled: nothing was written")
-    return reported(
+        return translated_report("Canceled: nothing was written")
+    return translated_report(
         "Canceled: the scatter is unchanged; {count} solved frames are kept in '{folder}', "
         "Bake continues from there",
         count=len(baker.reports),
@@ -134,26 +136,26 @@ def _stopped(baker: Baker) -> str:
     )
 
 
-def write_bake(obj: bpy.types.Object, begun: Begun, baker: Baker, kind: str) -> None:
+def write_bake(obj: bpy.types.Object, bake_start: BakeStart, baker: Baker, kind: str) -> None:
     """Store what a baker has solved; what cannot be stored is found before anything is lost."""
-    begun.note(baker.grounds.moving)
+    bake_start.note(baker.masked_surfaces.moving)
     rest = at_rest(baker.begin, baker.first_surface) if kind == "REST" else None
     born = baker.born() if isinstance(baker, PopulationBaker) else None
     if born is not None:
         to_local(obj, born.positions)  # where that cannot be, nothing is lost yet
     with all_or_nothing(bpy.context, [obj]):
-        if begun.solved is not None:
-            write_scattered(obj, baker.first_surface, begun.solved, rest)
+        if bake_start.solved is not None:
+            write_scattered(obj, baker.first_surface, bake_start.solved, rest)
         elif "REST" in (kind, obj.dapple.attached_to):
             write_binding(obj, baker.first_surface, baker.begin, rest)
-        write_baked(obj, baker.baked(), baker.first, baker.report(), born, begun.sources)
-        write_known(obj, begun, baker)
+        write_baked(obj, baker.baked(), baker.first, baker.report(), born, bake_start.sources)
+        write_known(obj, bake_start, baker)
 
 
-def write_known(obj: bpy.types.Object, begun: Begun, baker: Baker) -> None:
+def write_known(obj: bpy.types.Object, bake_start: BakeStart, baker: Baker) -> None:
     """What a bake was solved from, and all faces that it has seen."""
     obj.dapple.bake_fingerprint = baker.fingerprint
-    obj.dapple.baked_frozen = " ".join(frozen_in(begun, baker))
+    obj.dapple.baked_frozen = " ".join(frozen_in(bake_start, baker))
     known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])
     obj.dapple.surface_topology = " ".join(known)
     write_surface_inputs(obj, ensure_modifier(obj))

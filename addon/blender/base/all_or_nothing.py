@@ -10,8 +10,8 @@ from typing import Any
 import bpy
 
 from ...core.base.errors import ScatterError, StoppedError
-from .file_snapshot import Before
-from .translation import operator_label, reported
+from .file_snapshot import FileSnapshot
+from .translation import operator_label, translated_report
 
 Status = set[str]  # that operators return
 _Call = Callable[[], Any]
@@ -36,7 +36,7 @@ def all_or_nothing(
     if _state.open:
         yield
         return
-    before = Before(context, objects)
+    before = FileSnapshot(context, objects)
     _state.open = True
     try:
         yield
@@ -45,7 +45,7 @@ def all_or_nothing(
     except BaseException:
         _state.open = False
         _state.later.clear()
-        before.put_back()
+        before.restore()
         raise
     before.forget()
 
@@ -76,7 +76,7 @@ def sentence(label: str, error: Exception) -> str:
     if isinstance(error, OSError) and error.filename:
         return f"'{error.filename}': {error.strerror}"
     traceback.print_exception(error)
-    return reported(
+    return translated_report(
         "'{work}' failed, nothing was changed: {error}",
         work=operator_label(label),
         error=str(error) or type(error).__name__,

@@ -14,8 +14,8 @@ import bmesh
 import bpy
 import numpy as np
 
-from ...nodes import inputs_of, put_inputs
-from .property_snapshot import Properties, custom_of, is_group, plain, put_custom_back
+from ...nodes import inputs_of, restore_inputs
+from .property_snapshot import Properties, custom_of, is_group, plain, restore_custom
 from .quiet import quiet
 
 _LISTS = (
@@ -45,7 +45,7 @@ _FIELDS: dict[str, tuple[str, Any, int]] = {
 }
 
 
-class Before:
+class FileSnapshot:
     """The state of what an operator works on."""
 
     def __init__(self, context: bpy.types.Context, objects: Iterable[bpy.types.Object]) -> None:
@@ -61,17 +61,17 @@ class Before:
         for one in self._objects:
             one.forget()
 
-    def put_back(self) -> None:
+    def restore(self) -> None:
         """Have all be as it was, which is nobody's change."""
         with quiet():
             self._view.leave_mode()
             for one in self._objects:
-                one.put_back()
-            self._view.put_back()
+                one.restore()
+            self._view.restore()
             self.forget()
             new = [block for block in _blocks() if block.session_uid not in self._known]
             bpy.data.batch_remove(new)
-            self._view.put_mode_back()
+            self._view.restore_mode()
 
 
 def _blocks() -> Iterator[bpy.types.ID]:
@@ -139,7 +139,7 @@ class _View:
         if active is not None and active.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
 
-    def put_back(self) -> None:
+    def restore(self) -> None:
         layer, scene = self._layer, self._scene
         if layer.objects.active != self._active:
             layer.objects.active = self._active
@@ -156,7 +156,7 @@ class _View:
                 if plain(getattr(owner, name)) != value:
                     setattr(owner, name, value)
 
-    def put_mode_back(self) -> None:
+    def restore_mode(self) -> None:
         if self._active is not None and self._active.mode != self._mode:
             bpy.ops.object.mode_set(mode=self._mode)
 
@@ -186,16 +186,16 @@ class _Object:
         if mesh is not None and mesh.library is None and (written or not len(mesh.polygons)):
             self._points = _Points(obj, mesh)
 
-    def put_back(self) -> None:
+    def restore(self) -> None:
         obj = self._obj
         for name in _groups(obj):
             if name in self._groups:
-                self._groups[name].put_back()
+                self._groups[name].restore()
             else:
                 obj.property_unset(name)
-        self._own.put_back()
-        self._put_modifiers_back()  # which update functions of the properties may have written
-        put_custom_back(obj, self._keys)
+        self._own.restore()
+        self._restore_modifiers()  # which update functions of the properties may have written
+        restore_custom(obj, self._keys)
         for group in [one for one in obj.vertex_groups if one.name not in self._vertex_groups]:
             obj.vertex_groups.remove(group)
         if len(obj.vertex_groups) and obj.vertex_groups.active_index != self._active_group:
@@ -203,22 +203,22 @@ class _Object:
         if _hidden(obj) not in (None, self._hidden):
             obj.hide_set(self._hidden)
         if self._data is not None:
-            self._data.put_back()
+            self._data.restore()
         if self._points is not None:
-            self._points.put_back()
+            self._points.restore()
 
     def forget(self) -> None:
         if self._points is not None:
             self._points.forget()
 
-    def _put_modifiers_back(self) -> None:
+    def _restore_modifiers(self) -> None:
         names = {one.name for one in self._modifiers}
         for modifier in [one for one in self._obj.modifiers if one.name not in names]:
             self._obj.modifiers.remove(modifier)
         for one in self._modifiers:
             modifier = self._obj.modifiers.get(one.name)
             if modifier is not None:
-                one.put_back(modifier)
+                one.restore(modifier)
 
 
 def _hidden(obj: bpy.types.Object) -> bool | None:
@@ -235,10 +235,10 @@ class _Modifier:
         is_group = modifier.type == "NODES" and modifier.node_group is not None
         self._inputs = inputs_of(modifier) if is_group else {}
 
-    def put_back(self, modifier: bpy.types.Modifier) -> None:
-        self._own.put_back(modifier)
+    def restore(self, modifier: bpy.types.Modifier) -> None:
+        self._own.restore(modifier)
         if self._inputs and inputs_of(modifier) != self._inputs:
-            put_inputs(modifier, self._inputs)
+            restore_inputs(modifier, self._inputs)
 
 
 class _Points:
@@ -252,9 +252,9 @@ class _Points:
         elif mesh.shape_keys is None:
             self._copy = mesh.copy()
 
-    def put_back(self) -> None:
+    def restore(self) -> None:
         mesh = self._mesh
-        put_custom_back(mesh, self._keys)
+        restore_custom(mesh, self._keys)
         if self._edited is not None:
             self._edited.to_mesh(mesh)
         elif self._copy is not None and _content(mesh) != _content(self._copy):

@@ -11,15 +11,15 @@ _LEAST, _WITHOUT_REGION = 140.0, 250.0  # pixels of a line
 
 
 def lines_of(
-    layout: bpy.types.UILayout, text: str, icon: str = "NONE", beside: float = 0.0
+    layout: bpy.types.UILayout, text: str, icon: str = "NONE", nearby: float = 0.0
 ) -> None:
     """A text as labels, as wide as the sidebar is, less the pixels of what is beside them."""
     column = layout.column(align=True)
-    for number, line in enumerate(wrapped(text, room(icon) - beside)):
+    for number, line in enumerate(wrapped(text, line_width(icon) - nearby)):
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
 
 
-def room(icon: str) -> float:
+def line_width(icon: str) -> float:
     """Pixels of a line, at a scale of 1; a background Blender has no region."""
     region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
     if region is None or region.type != "UI":

@@ -6,7 +6,7 @@ import bpy
 from ...core.base.errors import ScatterError
 
 
-class Held:
+class ObjectHandle:
     """A handle of an object across steps, without a reference that an undo would invalidate."""
 
     def __init__(self, obj: bpy.types.Object) -> None:

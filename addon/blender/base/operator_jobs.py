@@ -15,21 +15,21 @@ from typing import Any
 import bpy
 
 from ...core.base.steps import Steps
-from . import artist, renders
+from . import renders, user_activity
 from .handlers import Evaluation, Subscriber
 from .jobs import Job
-from .object_handles import Held
+from .object_handles import ObjectHandle
 from .sidebars import redraw
 from .timers import call_within
-from .translation import operator_label, reported, told
+from .translation import operator_label, translated, translated_report
 
 _POLL = 0.005  # seconds between two checks of the worker
 _PART = 0.03  # seconds that one call may take, during which the artist waits
 PAUSED = 0.1  # seconds between two checks whether a pause is over
 REST = 1.0  # seconds without a frame change after which scrubbing has ended
-_SAID = 8.0  # seconds for which the status bar shows the outcome
+_STATUS_TIME = 8.0  # seconds for which the status bar shows the outcome
 
-Said = list[tuple[str, str]]  # (INFO, WARNING or ERROR, text)
+Messages = list[tuple[str, str]]  # (INFO, WARNING or ERROR, text)
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Outcome:
     """The result of the work and messages about it."""
 
     obj: bpy.types.Object
-    said: Said = field(default_factory=list)
+    messages: Messages = field(default_factory=list)
 
 
 @dataclass
@@ -45,7 +45,7 @@ class Work:
     """The work of an operator."""
 
     label: str  # of the operator, in English
-    about: Held  # the object in whose panel the outcome is shown
+    about: ObjectHandle  # the object in whose panel the outcome is shown
     steps: Steps
     done: Callable[[bpy.types.Context, Any, bpy.types.Object], Outcome]  # called with the result
     # Names of data-blocks that must not change, by session_uid.
@@ -72,12 +72,12 @@ class Work:
         work = operator_label(self.label)
         why = pause()
         if why:
-            return told("{work} pauses: {why}", work=work, why=why)
-        return told("{work}: {progress:.0%}", work=work, progress=self.job.progress)
+            return translated("{work} pauses: {why}", work=work, why=why)
+        return translated("{work}: {progress:.0%}", work=work, progress=self.job.progress)
 
     def _done(self, result: Any) -> str:
         outcome = self.done(bpy.context, result, self.about.get())
-        _end(outcome.obj.session_uid, outcome.said)
+        _end(outcome.obj.session_uid, outcome.messages)
         return self.label
 
     def _failed(self, why: str) -> None:
@@ -96,7 +96,7 @@ class _State:
     stepping: bool = False  # whether changes come from the work itself
     frame_changed: float = 0.0  # time of the artist's last frame change, monotonic
     # Messages about finished work, by session_uid.
-    notes: dict[int, Said] = field(default_factory=dict)
+    notes: dict[int, Messages] = field(default_factory=dict)
 
 
 _state = _State()
@@ -130,12 +130,12 @@ def cancel(why: str = "") -> None:
         _state.work.job.cancel()
 
 
-def notes(obj: bpy.types.Object) -> Said:
+def notes(obj: bpy.types.Object) -> Messages:
     """Messages about the last work on an object."""
     return notes_of(obj.session_uid)
 
 
-def notes_of(uid: int) -> Said:
+def notes_of(uid: int) -> Messages:
     """The same of an object that may be gone, by its session_uid."""
     return _state.notes.get(uid, [])
 
@@ -149,13 +149,13 @@ def dismiss(obj: bpy.types.Object) -> None:
 def pause() -> str:
     """The reason why nothing may be read or written now; empty if there is none."""
     if renders.busy():
-        return told("Blender renders")
-    if artist.is_playing():
-        return told("the animation plays")
-    if artist.is_operated() or artist.is_painting():
-        return told("another tool is used")
-    if artist.is_scrubbing() or time.monotonic() - _state.frame_changed < REST:
-        return told("the frame was changed")
+        return translated("Blender renders")
+    if user_activity.is_playing():
+        return translated("the animation plays")
+    if user_activity.is_operated() or user_activity.is_painting():
+        return translated("another tool is used")
+    if user_activity.is_scrubbing() or time.monotonic() - _state.frame_changed < REST:
+        return translated("the frame was changed")
     return ""
 
 
@@ -184,7 +184,7 @@ def _advance(work: Work) -> bool:
     if work.job.waits:
         return False
     if bpy.context.scene.session_uid != work.scene:
-        cancel(reported("Another scene is shown"))
+        cancel(translated_report("Another scene is shown"))
     for layer in _shown_layers():
         layer.update()  # notices changes of the artist
     with _own_changes():
@@ -221,13 +221,13 @@ def _window(work: Work) -> bpy.types.Window | None:
     return next(iter([*same, *windows]), None)
 
 
-def _end(uid: int, said: Said) -> None:
+def _end(uid: int, messages: Messages) -> None:
     """End the work and show messages in the panel of an object."""
     _leave()
-    _state.notes[uid] = said
-    _write_status(" ".join(text for _, text in said))
-    if said:
-        call_within(_SAID, _clear_status)
+    _state.notes[uid] = messages
+    _write_status(" ".join(text for _, text in messages))
+    if messages:
+        call_within(_STATUS_TIME, _clear_status)
     redraw()
 
 
@@ -242,7 +242,7 @@ def _show(work: Work) -> None:
     line = work.line()
     if line != work.shown:
         work.shown = line
-        _write_status(told("{line}    Esc in the 3D View cancels", line=line))
+        _write_status(translated("{line}    Esc in the 3D View cancels", line=line))
         redraw()
 
 
@@ -264,7 +264,7 @@ def _updated(evaluation: Evaluation) -> None:
     for one in evaluation.updates:
         name = work.watched.get(one.uid)
         if one.is_edited and name is not None:
-            cancel(reported("'{name}' was changed", name=name))
+            cancel(translated_report("'{name}' was changed", name=name))
 
 
 def _frame_changed(_evaluation: Evaluation) -> None:
@@ -276,7 +276,7 @@ def _undone() -> None:
     """An undo may have changed anything."""
     _state.notes.clear()
     if _state.work is not None and _state.work.watched:
-        cancel(reported("A step was undone or redone"))
+        cancel(translated_report("A step was undone or redone"))
 
 
 def _before_load() -> None:

@@ -15,7 +15,7 @@ import bpy
 from ...core.base.errors import ScatterError
 from . import step_operators
 from .handlers import Subscriber
-from .object_handles import Held
+from .object_handles import ObjectHandle
 from .renders import busy
 from .sidebars import redraw
 from .timers import call_within
@@ -32,9 +32,9 @@ class _Note:
     """A requested value."""
 
     find: Find
-    held: Held | None
+    handle: ObjectHandle | None
     found: Any
-    asked: bool = True
+    requested: bool = True
 
 
 _notes: dict[tuple[int, int], _Note] = {}  # by request and the session_uid of the object
@@ -42,7 +42,7 @@ _notes: dict[tuple[int, int], _Note] = {}  # by request and the session_uid of t
 
 # Not generic over what is found: typing keeps such classes until Python ends, and with them bpy's,
 # so that Python never closes bpy.
-class Prepared:
+class CachedValue:
     """A value that panels show, of an object or of none."""
 
     def __init__(self, find: Find, before: Any) -> None:
@@ -55,16 +55,16 @@ class Prepared:
         key = id(self), obj.session_uid if obj is not None else 0
         note = _notes.get(key)
         if note is None:
-            held = Held(obj) if obj is not None else None
-            note = _notes[key] = _Note(self._find, held, self._before)
-        note.asked = True
+            handle = ObjectHandle(obj) if obj is not None else None
+            note = _notes[key] = _Note(self._find, handle, self._before)
+        note.requested = True
         call_within(0.0, tick)
         return note.found
 
 
 def known_objects() -> set[str]:
     """Names of the objects with known values."""
-    return {note.held.name for note in _notes.values() if note.held is not None}
+    return {note.handle.name for note in _notes.values() if note.handle is not None}
 
 
 def tick() -> float | None:
@@ -74,11 +74,11 @@ def tick() -> float | None:
     _tidy()
     others = False
     for key, note in list(_notes.items()):
-        if not note.asked:
+        if not note.requested:
             continue
-        note.asked = False
+        note.requested = False
         try:
-            found = note.find(note.held.get() if note.held is not None else None)
+            found = note.find(note.handle.get() if note.handle is not None else None)
         except ScatterError:  # the object was removed
             del _notes[key]
             continue
@@ -91,12 +91,12 @@ def tick() -> float | None:
 
 def _tidy() -> None:
     if len(_notes) > _MOST:
-        for key in [key for key, note in _notes.items() if not note.asked]:
+        for key in [key for key, note in _notes.items() if not note.requested]:
             del _notes[key]
 
 
 def _forget() -> None:
-    for key in [key for key, note in _notes.items() if note.held is not None]:
+    for key in [key for key, note in _notes.items() if note.handle is not None]:
         del _notes[key]
 
 

@@ -42,12 +42,12 @@ class Properties:
         elif groups:
             self._inside[name] = Properties(value)
 
-    def put_back(self, struct: Any = None) -> None:
+    def restore(self, struct: Any = None) -> None:
         struct = self._struct if struct is None else struct
         for name, inside in self._inside.items():
-            inside.put_back(getattr(struct, name))
+            inside.restore(getattr(struct, name))
         for name, before in self._lists.items():
-            _put_list_back(getattr(struct, name), before)
+            _restore_list(getattr(struct, name), before)
         for name, value in self._set.items():
             lost = self._groups and name not in self._unset and not struct.is_property_set(name)
             if lost or not _same(plain(getattr(struct, name)), value):
@@ -58,13 +58,13 @@ class Properties:
                 struct.property_unset(name)
 
 
-def _put_list_back(items: Any, before: list[Properties]) -> None:
+def _restore_list(items: Any, before: list[Properties]) -> None:
     while len(items) > len(before):
         items.remove(len(items) - 1)
     while len(items) < len(before):
         items.add()
     for item, one in zip(items, before, strict=True):
-        one.put_back(item)
+        one.restore(item)
 
 
 def _same(one: Any, other: Any) -> bool:
@@ -88,7 +88,7 @@ def custom_of(block: bpy.types.ID) -> dict[str, Any]:
     return {name: plain(block[name]) for name in set(block.keys()) - registered}
 
 
-def put_custom_back(block: bpy.types.ID, before: dict[str, Any]) -> None:
+def restore_custom(block: bpy.types.ID, before: dict[str, Any]) -> None:
     now = custom_of(block)
     for name in now.keys() - before.keys():
         del block[name]

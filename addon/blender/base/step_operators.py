@@ -11,7 +11,7 @@ import bpy
 from ...core.base.steps import Steps, run_now
 from . import jobs, operator_jobs
 from .all_or_nothing import AllOrNothing, Status, tried
-from .object_handles import Held
+from .object_handles import ObjectHandle
 from .operator_jobs import Outcome, Work
 
 __all__ = ["OPTIONS", "AllOrNothing", "Status", "StepsOperator", "is_under_way", "tried"]
@@ -56,10 +56,10 @@ class StepsOperator:
         return tried(self, context, lambda: self._work(context), lambda: self.written(context))
 
     def _work(self, context: bpy.types.Context) -> None:
-        about = Held(self.about(context))
+        about = ObjectHandle(self.about(context))
         result = run_now(self.steps(context))
         outcome = self.done(context, result, about.get())
-        for kind, text in outcome.said:
+        for kind, text in outcome.messages:
             self.report({kind}, text)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
@@ -69,7 +69,7 @@ class StepsOperator:
         return tried(self, context, lambda: self._begin(context), lambda: self.written(context))
 
     def _begin(self, context: bpy.types.Context) -> Status:
-        steps, about = self.steps(context), Held(self.about(context))
+        steps, about = self.steps(context), ObjectHandle(self.about(context))
         work = Work(self.bl_label, about, steps, self.done, self.watched(context))
         operator_jobs.begin(context, work)
         return {"CANCELLED"}

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the artist reads, in the language that Blender is set to.
+"""Texts of the interface in the language that Blender is set to.
 
-addon/translations/LOCALE.json holds {context: {English message: text}}. Blender looks up labels,
-names, tooltips and the texts that a layout is given; what is composed at run time goes through
-`told`, `counted` and `reported`, which look up a template and then fill it in. Numbers are written
-alike in all languages, as Blender writes them.
+addon/translations/LOCALE.json holds {context: {English message: text}}. Blender translates labels,
+names, tooltips and the texts of a layout. Texts that are composed at run time go through
+`translated`, `translated_count` or `translated_report`, which look up a template and then fill it
+in. Numbers are written alike in all languages, as Blender writes them.
 
-English everywhere are errors, which core raises without knowing Blender and which people search
-for and pass on, and all that a file keeps (names of data-blocks, warnings of the node group):
-whoever opens it next may read another language.
+Some texts are always in English: errors, which core raises without knowing Blender and which
+people search for and pass on, and all that a file stores (names of data-blocks, warnings of the
+node group), since the next reader may use another language.
 """
 
 import json
@@ -24,23 +24,23 @@ from .. import base
 FOLDER = base.FOLDER / "translations"
 OWN = "Dapple"  # context of names that Blender translates as something else
 Messages = dict[tuple[str, str], str]  # (context, English message): text
-Say = Callable[..., str]  # told or english
+Translate = Callable[..., str]  # translated or english
 
 
-def told(template: str, **values: Any) -> str:
+def translated(template: str, **values: Any) -> str:
     """A message of the interface, its {placeholders} filled in."""
     return _filled(pgettext_iface(template), template, values)
 
 
-def counted(count: int, one: str, many: str) -> str:
-    """The message for 1, or that for other numbers, with its {count}.
+def translated_count(count: int, one: str, many: str) -> str:
+    """The message for one or for several, with its {count} filled in.
 
-    Where a language has more forms, its text for many is to be worded without: "Points: {count}".
+    A language with more plural forms needs a wording that fits all of them: "Points: {count}".
     """
-    return told(one if count == 1 else many, count=count)
+    return translated(one if count == 1 else many, count=count)
 
 
-def reported(template: str, **values: Any) -> str:
+def translated_report(template: str, **values: Any) -> str:
     """A message that an operator reports, its {placeholders} filled in."""
     return _filled(pgettext_rpt(template), template, values)
 
@@ -50,9 +50,11 @@ def english(template: str, **values: Any) -> str:
     return template.format(**values)
 
 
-def label_of(prop: bpy.types.Property, say: Say = told) -> str:
-    """The name of a property, as the panel shows it; in English if that is what says it."""
-    return prop.name if say is english else pgettext_iface(prop.name, prop.translation_context)
+def label_of(prop: bpy.types.Property, translate: Translate = translated) -> str:
+    """The label of a property in the language of `translate`."""
+    return (
+        prop.name if translate is english else pgettext_iface(prop.name, prop.translation_context)
+    )
 
 
 def item_label(prop: bpy.types.Property, identifier: str) -> str:
@@ -66,7 +68,7 @@ def operator_label(label: str) -> str:
 
 
 def _filled(text: str, template: str, values: dict[str, Any]) -> str:
-    """A catalog with other placeholders than the template's costs the translation only."""
+    """Fill in a text; if its placeholders are not those of the template, use the template."""
     try:
         return text.format(**values)
     except (LookupError, ValueError, AttributeError, TypeError):
@@ -74,7 +76,7 @@ def _filled(text: str, template: str, values: dict[str, Any]) -> str:
 
 
 def catalogs(folder: Path) -> dict[str, Messages]:
-    """Those of a folder, by locale; what is no catalog is named on the console and left out."""
+    """Catalogs of a folder by locale; invalid files are reported on the console and skipped."""
     found = {}
     for path in sorted(folder.glob("*.json")):
         try:
@@ -97,10 +99,10 @@ def _read(path: Path) -> Messages:
 
 
 def register() -> None:
-    """Give Blender the catalogs."""
+    """Register the catalogs in Blender."""
     bpy.app.translations.register(base.PACKAGE, catalogs(FOLDER))
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Remove the catalogs."""
     bpy.app.translations.unregister(base.PACKAGE)

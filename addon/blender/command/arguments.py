@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     _Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 
 
-class Asked(argparse.Namespace):
+class Arguments(argparse.Namespace):
     """A command line, read; each verb has some of these."""
 
     verb: str
@@ -30,11 +30,11 @@ class Asked(argparse.Namespace):
     baked: bool = False
 
 
-def parsed(arguments: list[str]) -> Asked:
+def parsed(arguments: list[str]) -> Arguments:
     """A command line; SystemExit with the exit code where there is nothing to do."""
-    asked = parser().parse_args(arguments, Asked())
-    asked.scatters = list(filter(None, asked.scatters))
-    return asked
+    options = parser().parse_args(arguments, Arguments())
+    options.scatters = list(filter(None, options.scatters))
+    return options
 
 
 def path(text: str) -> Path | None:
@@ -103,8 +103,8 @@ def _add_export(verbs: "_Verbs") -> None:
     one.add_argument("--frame", type=int, help="the frame; default: the one that the file shows")
 
 
-def _verb(verbs: "_Verbs", name: str, told: str) -> argparse.ArgumentParser:
-    verb = verbs.add_parser(name, help=told, description=told.capitalize() + ".", epilog=_CODES)
+def _verb(verbs: "_Verbs", name: str, text: str) -> argparse.ArgumentParser:
+    verb = verbs.add_parser(name, help=text, description=text.capitalize() + ".", epilog=_CODES)
     verb.add_argument(
         "--scatter",
         action="append",

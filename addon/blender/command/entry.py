@@ -14,8 +14,8 @@ import bpy
 from ...core.base.atomic_file import part_of, replacing
 from ...core.base.errors import ScatterError, StoppedError
 from ...core.base.native import missing, package
-from .arguments import Asked, parsed
-from .reporting import Stops, Teller, run_told
+from .arguments import Arguments, parsed
+from .reporting import ProgressPrinter, SignalHandler, run_reporting
 from .shot import Shot
 from .verbs import CURRENT, OUTDATED, VERBS, Facts
 
@@ -38,57 +38,57 @@ _state = _State()
 def main(arguments: list[str]) -> int:
     """Run a command line on the file that is open; the exit code."""
     try:
-        asked = parsed(arguments)
+        options = parsed(arguments)
     except SystemExit as end:
         return int(end.code or 0)
-    with Stops() as stops:
-        return _Run(asked, stops).all()
+    with SignalHandler() as signals:
+        return _Run(options, signals).all()
 
 
 @dataclass
 class _Run:
     """One command."""
 
-    asked: Asked
-    stops: Stops
+    options: Arguments
+    signals: SignalHandler
     found: list[Facts] = field(default_factory=list)  # one for each scatter
     troubles: list[str] = field(default_factory=list)  # of the whole
     saved: str = ""  # the file
 
     def __post_init__(self) -> None:
-        self.teller = Teller(self.asked.progress, self.asked.quiet)
-        self.verb = VERBS[self.asked.verb]
+        self.printer = ProgressPrinter(self.options.progress, self.options.quiet)
+        self.verb = VERBS[self.options.verb]
 
     def all(self) -> int:
         """Do it for all scatters, and report; the exit code."""
         begin = time.monotonic()
         self._attempt(self._work)
         code = self._code()
-        if self.asked.json is not None:
-            self._attempt(self._report, self.asked.json, code, time.monotonic() - begin)
+        if self.options.json is not None:
+            self._attempt(self._report, self.options.json, code, time.monotonic() - begin)
         return code or self._code()
 
     def _report(self, path: Path, code: int, seconds: float) -> None:
         facts = {"exit": code, "seconds": seconds, "saved": self.saved, "errors": self.troubles}
-        write_report(path, self.asked.verb, {**facts, "scatters": self.found})
+        write_report(path, self.options.verb, {**facts, "scatters": self.found})
 
     def _work(self) -> None:
-        shot = Shot(self.asked)
+        shot = Shot(self.options)
         groups = [shot.scatters] if self.verb.together else [[obj] for obj in shot.scatters]
-        self.teller.count = len(groups)
-        for self.teller.at, group in enumerate(filter(None, groups)):
-            if not self.stops.number:
+        self.printer.count = len(groups)
+        for self.printer.at, group in enumerate(filter(None, groups)):
+            if not self.signals.number:
                 self._do(group)
         if self.verb.saves and self._is_worth_saving():
             shot.save()
             self.saved = str(shot.target)
-            self.teller.line(f"saved '{self.saved}'")
+            self.printer.line(f"saved '{self.saved}'")
         if not self._code():
-            self.teller.done()
+            self.printer.done()
 
     def _is_worth_saving(self) -> bool:
         """Whether something was done, or another file is to hold what was done before."""
-        copied = self.asked.output is not None and not self._code()
+        copied = self.options.output is not None and not self._code()
         return copied or any(map(_has_changed, self.found))
 
     def _attempt(self, work: Callable[..., None], *arguments: Any) -> None:
@@ -96,7 +96,7 @@ class _Run:
             work(*arguments)
         except (ScatterError, OSError) as error:
             self.troubles.append(str(error))
-            self.teller.error(str(error))
+            self.printer.error(str(error))
 
     def _do(self, group: list[bpy.types.Object]) -> None:
         """The work on scatters; what goes wrong there does not keep others from theirs."""
@@ -105,14 +105,14 @@ class _Run:
         found = [{"name": name, **facts} for name in names]
         self.found += found
         for one in found:
-            self._tell(one)
+            self._print_outcome(one)
 
     def _outcome(self, group: list[bpy.types.Object]) -> Facts:
         first = group[0]
         try:
             with bpy.context.temp_override(object=first, active_object=first):
-                steps = self.verb.steps(group, self.asked)
-                return dict(run_told(steps, self.stops, self._progress(first)))
+                steps = self.verb.steps(group, self.options)
+                return dict(run_reporting(steps, self.signals, self._progress(first)))
         except StoppedError as error:
             return {"state": STOPPED, "error": str(error)}
         except ScatterError as error:
@@ -123,27 +123,27 @@ class _Run:
 
     def _progress(self, obj: bpy.types.Object) -> Any:
         name, scene = obj.name, bpy.context.scene
-        return lambda share: self.teller.progress(name, scene.frame_current, share)
+        return lambda share: self.printer.progress(name, scene.frame_current, share)
 
-    def _tell(self, facts: Facts) -> None:
+    def _print_outcome(self, facts: Facts) -> None:
         text = f"'{facts['name']}': {facts['state']}"
         if "error" in facts:
-            self.teller.error(f"{text}: {facts['error']}")
+            self.printer.error(f"{text}: {facts['error']}")
         elif facts["state"] in (CURRENT, OUTDATED):
             print(": ".join(filter(None, (text, facts.get("reason")))), flush=True)
         else:
-            self._tell_done(text, facts)
+            self._print_done(text, facts)
 
-    def _tell_done(self, text: str, facts: Facts) -> None:
+    def _print_done(self, text: str, facts: Facts) -> None:
         if facts.get("resumed"):
             text = f"{text}, {facts['resumed']} frames by a run before"
-        self.teller.line(text)
+        self.printer.line(text)
         for warning in facts.get("warnings", ()):
-            self.teller.warning(warning)
+            self.printer.warning(warning)
 
     def _code(self) -> int:
-        if self.stops.number:
-            return _SIGNALED + self.stops.number
+        if self.signals.number:
+            return _SIGNALED + self.signals.number
         return int(bool(self.troubles) or any(map(_is_wrong, self.found)))
 
 

@@ -10,18 +10,18 @@ from typing import Any
 
 from ...core.base.steps import Stepper, Steps
 
-_LOOK = 0.2  # seconds between two looks at the worker
-_SAID = 1.0  # seconds between two lines at least
+_POLL = 0.2  # seconds between two looks at the worker
+_PRINT_PAUSE = 1.0  # seconds between two lines at least
 _NAMES = ("SIGINT", "SIGTERM", "SIGBREAK")
 _SIGNALS = [getattr(signal, name) for name in _NAMES if hasattr(signal, name)]
 
 
-class Stops:
+class SignalHandler:
     """Signals as wishes to stop: what is being written is written, what is solved is kept."""
 
     number = 0  # of the last one
 
-    def __enter__(self) -> "Stops":
+    def __enter__(self) -> "SignalHandler":
         self._before = {one: signal.signal(one, self._note) for one in _SIGNALS}
         return self
 
@@ -34,7 +34,7 @@ class Stops:
 
 
 @dataclass
-class Teller:
+class ProgressPrinter:
     """Lines on stderr: how far the work on several scatters is."""
 
     form: str = "text"
@@ -42,13 +42,13 @@ class Teller:
     count: int = 1  # of the scatters
     at: int = 0  # the one that is worked on
     _percent: int = -1
-    _when: float = field(default=-_SAID)
+    _when: float = field(default=-_PRINT_PAUSE)
 
     def progress(self, name: str, frame: int, share: float) -> None:
         """So much of a scatter is done."""
         percent = int(100.0 * (self.at + share) / max(self.count, 1))
         now = time.monotonic()
-        if self.quiet or percent == self._percent or now - self._when < _SAID:
+        if self.quiet or percent == self._percent or now - self._when < _PRINT_PAUSE:
             return
         self._percent, self._when = percent, now
         self._percentage(percent, f"'{name}', frame {frame}")
@@ -61,34 +61,34 @@ class Teller:
     def line(self, text: str) -> None:
         """Something that happened."""
         if not self.quiet:
-            _say(f"openjd_status: {text}" if self.form == "openjd" else f"Dapple: {text}")
+            _print(f"openjd_status: {text}" if self.form == "openjd" else f"Dapple: {text}")
 
     def error(self, text: str) -> None:
         """Something that went wrong."""
-        _say(f"Error: Dapple: {text}")
+        _print(f"Error: Dapple: {text}")
 
     def warning(self, text: str) -> None:
         """Something that was done, but not quite as asked for."""
-        _say(f"Warning: Dapple: {text}")
+        _print(f"Warning: Dapple: {text}")
 
     def _percentage(self, percent: int, text: str) -> None:
         if self.form == "openjd":
-            _say(f"openjd_progress: {percent}")
+            _print(f"openjd_progress: {percent}")
         self.line(text if self.form == "openjd" else f"Progress: {percent}%: {text}")
 
 
-def run_told(steps: Steps, stops: Stops, tell: Any) -> Any:
+def run_reporting(steps: Steps, signals: SignalHandler, show: Any) -> Any:
     """Run steps, telling the share that is done; StoppedError after a signal."""
     stepper = Stepper(steps)
     try:
-        while not stepper.poll(wait=_LOOK):
-            if stops.number:
+        while not stepper.poll(wait=_POLL):
+            if signals.number:
                 stepper.cancel()
-            tell(stepper.progress)
+            show(stepper.progress)
     finally:
         stepper.close()
     return stepper.result
 
 
-def _say(text: str) -> None:
+def _print(text: str) -> None:
     print(text, file=sys.stderr, flush=True)

@@ -12,9 +12,9 @@ from ...core.base.errors import ScatterError
 from ...core.base.native import missing
 from ..base.translation import english
 from ..freshness.unfinished_bakes import finished_files, saved
-from ..scatter.library import is_in_view_layer, read_only
+from ..scatter.linked_data import is_in_view_layer, read_only
 from ..scatter.object import is_scatter
-from .arguments import Asked
+from .arguments import Arguments
 
 Stamp = tuple[int, int]
 
@@ -22,12 +22,12 @@ Stamp = tuple[int, int]
 class Shot:
     """The open file, as it was when the command began."""
 
-    def __init__(self, asked: Asked) -> None:
-        self._check(asked)
+    def __init__(self, options: Arguments) -> None:
+        self._check(options)
         self.path = Path(bpy.data.filepath)
-        self.target = (asked.output or self.path).absolute()
+        self.target = (options.output or self.path).absolute()
         self._stamp = _stamp(self.path)
-        self.scatters = _chosen(asked.scatters)
+        self.scatters = _chosen(options.scatters)
 
     def save(self) -> None:
         """Write the file; what there was before stays where that fails."""
@@ -40,12 +40,14 @@ class Shot:
             with replacing(self.target.resolve(), part_of(self.target)) as part:
                 bpy.ops.wm.save_as_mainfile(filepath=str(part), copy=True)
         except (OSError, RuntimeError) as error:
-            said = f"'{self.target}' could not be saved: {str(error).strip()}{self._room()}"
-            raise ScatterError(said) from error
+            text = (
+                f"'{self.target}' could not be saved: {str(error).strip()}{self._disk_space_note()}"
+            )
+            raise ScatterError(text) from error
         remove_parts(self.target)
         self._tidy()
 
-    def _room(self) -> str:
+    def _disk_space_note(self) -> str:
         """What the disk has left, if it is little: Blender finds other words for a full disk."""
         try:
             free = shutil.disk_usage(self.target.parent).free
@@ -63,20 +65,20 @@ class Shot:
                 files.clear()
 
     @staticmethod
-    def _check(asked: Asked) -> None:
+    def _check(options: Arguments) -> None:
         if missing():
             raise ScatterError(missing())
         if not bpy.data.filepath:
             raise ScatterError("No file is open: write 'blender -b FILE.blend --command dapple'")
         if bpy.context.mode != "OBJECT":
             raise ScatterError(f"'{bpy.data.filepath}' is not in Object Mode: save it in that")
-        for path in filter(None, (asked.output, asked.json)):
+        for path in filter(None, (options.output, options.json)):
             if not path.absolute().parent.is_dir():
                 raise ScatterError(f"'{path}': the folder does not exist")
             if path.is_dir():
                 raise ScatterError(f"'{path}' is a folder")
-        if asked.output is not None and asked.output.suffix != ".blend":
-            raise ScatterError(f"'{asked.output}' must end in .blend")
+        if options.output is not None and options.output.suffix != ".blend":
+            raise ScatterError(f"'{options.output}' must end in .blend")
 
 
 def _stamp(path: Path) -> Stamp | None:

@@ -12,16 +12,16 @@ from ...core.bake.baker import Baker
 from ...core.base.errors import ScatterError
 from ...core.base.steps import PAUSE, Steps, Task
 from ..bake.steps import bake_steps
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.times import show_time, time_of, times_of
 from ..export.points import export_points
-from ..freshness.contents import solved_time
-from ..freshness.scene_snapshot import AROUND, SURFACE, VALUES, Present
+from ..freshness.content_changes import solved_time
+from ..freshness.scene_snapshot import AROUND, SURFACE, VALUES, SceneSnapshot
 from ..freshness.staleness import verdict
 from ..scatter.object import is_unsolved
 from ..solve.optimize import optimize_steps
 from ..surface.reading import frame_kept
-from .arguments import Asked
+from .arguments import Arguments
 
 Facts = dict[str, Any]  # of a scatter, in the report
 
@@ -34,15 +34,15 @@ _NOTHING = Task(lambda _: None)
 class Verb:
     """One of the things that can be done."""
 
-    steps: Callable[[list[bpy.types.Object], Asked], Steps]  # context.object is the first
+    steps: Callable[[list[bpy.types.Object], Arguments], Steps]  # context.object is the first
     saves: bool = False  # whether the file is changed
     together: bool = False  # whether all scatters are one piece of work
 
 
-def _bake(group: list[bpy.types.Object], asked: Asked) -> Steps:
+def _bake(group: list[bpy.types.Object], options: Arguments) -> Steps:
     (obj,) = group
-    first, last = _range(asked)
-    if asked.if_needed and not (yield from _why_not_current(obj, asked, needs_bake=True)):
+    first, last = _range(options)
+    if options.if_needed and not (yield from _why_not_current(obj, options, needs_bake=True)):
         return {"state": CURRENT}
     baker: Baker = yield from bake_steps(bpy.context, first, last)
     return {
@@ -51,34 +51,34 @@ def _bake(group: list[bpy.types.Object], asked: Asked) -> Steps:
         "keyframes": obj.dapple.baked_keys,
         "solved": baker.done - baker.taken,
         "resumed": baker.taken,
-        "optimized_first": baker.anew,
+        "optimized_first": baker.reoptimized_reason,
         "warnings": [baker.trouble] if baker.trouble else [],
         **_figures(obj),
     }
 
 
-def _optimize(group: list[bpy.types.Object], asked: Asked) -> Steps:
+def _optimize(group: list[bpy.types.Object], options: Arguments) -> Steps:
     (obj,) = group
-    if obj.dapple.baked_keys and not asked.delete_keyframes:
+    if obj.dapple.baked_keys and not options.delete_keyframes:
         raise ScatterError(
             f"Scatter '{obj.name}' is baked: --delete-keyframes deletes the keyframes, or use bake"
         )
-    with frame_kept(bpy.context.scene, show=asked.frame):
+    with frame_kept(bpy.context.scene, show=options.frame):
         frame = bpy.context.scene.frame_current
-        yield from optimize_steps(Held(obj))
+        yield from optimize_steps(ObjectHandle(obj))
     return {"state": OPTIMIZED, "frame": frame, **_figures(obj)}
 
 
-def _check(group: list[bpy.types.Object], asked: Asked) -> Steps:
+def _check(group: list[bpy.types.Object], options: Arguments) -> Steps:
     (obj,) = group
-    reason = yield from _why_not_current(obj, asked, needs_bake=asked.baked)
+    reason = yield from _why_not_current(obj, options, needs_bake=options.baked)
     return {"state": OUTDATED if reason else CURRENT, "reason": reason}
 
 
-def _export(group: list[bpy.types.Object], asked: Asked) -> Steps:
+def _export(group: list[bpy.types.Object], options: Arguments) -> Steps:
     """As File > Export does it."""
     yield PAUSE
-    written = export_points(asked.file, group, _exported_frames(asked))
+    written = export_points(options.file, group, _exported_frames(options))
     left = f"Left out because they are not meshes: {', '.join(written.left_out)}"
     skewed = f"{written.skewed} instances are skewed: they are written without the skew"
     return {
@@ -88,21 +88,21 @@ def _export(group: list[bpy.types.Object], asked: Asked) -> Steps:
     }
 
 
-def _exported_frames(asked: Asked) -> list[int]:
+def _exported_frames(options: Arguments) -> list[int]:
     """None: the one that the file shows."""
-    if asked.frames is not None:
-        return list(range(asked.frames[0], asked.frames[1] + 1))
-    return [] if asked.frame is None else [asked.frame]
+    if options.frames is not None:
+        return list(range(options.frames[0], options.frames[1] + 1))
+    return [] if options.frame is None else [options.frame]
 
 
-def _why_not_current(obj: bpy.types.Object, asked: Asked, needs_bake: bool) -> Any:
+def _why_not_current(obj: bpy.types.Object, options: Arguments, needs_bake: bool) -> Any:
     """Why a scatter is not up to date; empty when it is."""
     if is_unsolved(obj):
         return "It has no points yet: optimize"
     if needs_bake and not obj.dapple.baked_keys:
         return "It is not baked"
-    with _range_shown(bpy.context.scene, *_range(asked)):
-        return (yield from stale_in(obj, *_range(asked)))
+    with _range_shown(bpy.context.scene, *_range(options)):
+        return (yield from stale_in(obj, *_range(options)))
 
 
 def _figures(obj: bpy.types.Object) -> Facts:
@@ -111,9 +111,9 @@ def _figures(obj: bpy.types.Object) -> Facts:
     return {"points": report.count, **{name: getattr(report, name) for name in names}}
 
 
-def _range(asked: Asked) -> tuple[int, int]:
+def _range(options: Arguments) -> tuple[int, int]:
     scene = bpy.context.scene
-    return asked.frames or (scene.frame_start, scene.frame_end)
+    return options.frames or (scene.frame_start, scene.frame_end)
 
 
 @contextmanager
@@ -139,14 +139,14 @@ def stale_in(obj: bpy.types.Object, first: int, last: int) -> Any:
     """Steps that return why a result does not fit, in the first frame where it does not; empty
     when it fits. A scatter without a bake is compared in the frame in which it was optimized.
     """
-    scene, present = bpy.context.scene, Present()
+    scene, snapshot = bpy.context.scene, SceneSnapshot()
     times = _times(obj, scene, first, last)
     with frame_kept(scene):
         for step, time in enumerate(times):
             yield Task(_NOTHING.call, step / len(times), (step + 1) / len(times))
             show_time(scene, time)
-            present.forget(SURFACE, VALUES, AROUND)
-            reason = verdict(obj, bpy.context, present).reason
+            snapshot.forget(SURFACE, VALUES, AROUND)
+            reason = verdict(obj, bpy.context, snapshot).reason
             if reason:
                 return reason
     return ""

@@ -8,11 +8,11 @@ from ...core.base.errors import ScatterError
 from ...core.base.native import missing
 from ...core.settings.density_table import PAINTED
 from ..base.step_operators import OPTIONS, AllOrNothing, Status
-from ..base.translation import reported, told
+from ..base.translation import translated, translated_report
 from ..scatter.object import is_scatter
 from ..settings.updates import settings_changed
-from ..surface.beside import by_full_name
 from ..surface.polls import may_be_listed, ready
+from ..surface.scene_objects import by_full_name
 from . import overlay
 from .painting import begin_painting, end_painting, painted_scatter
 
@@ -59,7 +59,7 @@ class DAPPLE_OT_finish_painting(AllOrNothing, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if painted_scatter(context) is None:
-            cls.poll_message_set(told("No surface of a scatter is being painted"))
+            cls.poll_message_set(translated("No surface of a scatter is being painted"))
             return False
         return True
 
@@ -78,7 +78,7 @@ class DAPPLE_OT_add_material(AllOrNothing, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        why = told(
+        why = translated(
             "The materials come from a linked file: choose them there, or make the scatter local"
         )
         return may_be_listed(cls, context, why)
@@ -87,7 +87,9 @@ class DAPPLE_OT_add_material(AllOrNothing, bpy.types.Operator):
         found = by_full_name(bpy.data.materials, self.material)
         chosen = context.object.dapple.density.materials
         if found is None:
-            raise ScatterError(reported("There is no material '{name}'", name=self.material))
+            raise ScatterError(
+                translated_report("There is no material '{name}'", name=self.material)
+            )
         if all(one.material != found for one in chosen):
             chosen.add().material = found  # which has an update function
 
@@ -105,7 +107,7 @@ class DAPPLE_OT_remove_material(AllOrNothing, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        why = told(
+        why = translated(
             "The materials come from a linked file: choose them there, or make the scatter local"
         )
         return may_be_listed(cls, context, why)

@@ -21,14 +21,14 @@ from ...core.density.colors import Colored, Singles, computed
 from ..base.all_or_nothing import sentence
 from ..base.handlers import Evaluation, Subscriber
 from ..base.jobs import Job
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.renders import busy
 from ..base.timers import call_within
-from ..base.translation import told
+from ..base.translation import translated
 from ..scatter.object import surface_of
 from ..surface.reading import read_parts
 from . import legend as density_legend
-from .shown_term import Asked, asked_of, legend_of, watched_by
+from .shown_term import Request, legend_of, request_of, watched_by
 
 PAUSE = 0.2  # seconds without a change before the colors are computed
 _POLL = 0.01  # seconds between two looks at the worker
@@ -42,8 +42,8 @@ Part = tuple[Singles, Singles]  # positions and colors of corners
 class _Shown:
     """The scatter whose density is shown, and its triangles."""
 
-    scatter: Held | None = None
-    asked: Asked | None = None
+    scatter: ObjectHandle | None = None
+    request: Request | None = None
     watched: frozenset[int] = frozenset()  # session_uids of data that the colors depend on
     colored: Colored = _NOTHING
     legend: tuple[str, str, str] | None = None  # title, and the meaning of both ends
@@ -53,7 +53,7 @@ class _Shown:
     coming: list[Any] = field(default_factory=list)
     job: Job | None = None  # the running computation
     changed: float = 0.0  # time of the last change, monotonic; 0 if the colors are current
-    said: str = ""  # reason why it ended
+    end_reason: str = ""  # reason why it ended
     handles: tuple[Any, ...] = ()
 
 
@@ -68,8 +68,8 @@ def is_on(obj: bpy.types.Object) -> bool:
 def note() -> str:
     """Why the density is not shown, or not yet; empty if it is."""
     if _shown.scatter is not None and _shown.legend is None:
-        return told("The density is being computed")
-    return _shown.said
+        return translated("The density is being computed")
+    return _shown.end_reason
 
 
 def start(obj: bpy.types.Object) -> None:
@@ -78,7 +78,7 @@ def start(obj: bpy.types.Object) -> None:
     Blender with windows finds that out while the artist goes on, and the panel says it.
     """
     stop()
-    _shown.scatter, _shown.said = Held(obj), ""
+    _shown.scatter, _shown.end_reason = ObjectHandle(obj), ""
     try:
         _begin()
     except ScatterError:
@@ -101,7 +101,7 @@ def stop() -> None:
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
     if _shown.handles:
         _redraw()
-    _shown.handles, _shown.scatter, _shown.asked = (), None, None
+    _shown.handles, _shown.scatter, _shown.request = (), None, None
     _shown.colored, _shown.legend = _NOTHING, None
     _shown.batches, _shown.coming, _shown.waiting, _shown.changed = [], [], [], 0.0
 
@@ -132,16 +132,16 @@ def _begin() -> None:
     _give_up()
     assert _shown.scatter is not None
     obj = _shown.scatter.get()
-    _shown.asked, _shown.changed = asked_of(obj), 0.0
-    _shown.watched = watched_by(obj, _shown.asked)
-    steps = _steps(_shown.scatter, Held(surface_of(obj)), _shown.asked)
+    _shown.request, _shown.changed = request_of(obj), 0.0
+    _shown.watched = watched_by(obj, _shown.request)
+    steps = _steps(_shown.scatter, ObjectHandle(surface_of(obj)), _shown.request)
     _shown.job = Job(_LABEL, steps, _done, _failed, _stopped)
     _shown.job.begin()
 
 
-def _steps(scatter: Held, surface: Held, asked: Asked) -> Steps:
-    read = yield from read_parts(surface, asked.settings, scatter)
-    settings, density, alone = asked.settings, asked.density, asked.alone
+def _steps(scatter: ObjectHandle, surface: ObjectHandle, request: Request) -> Steps:
+    read = yield from read_parts(surface, request.settings, scatter)
+    settings, density, alone = request.settings, request.density, request.alone
     return (yield Task(lambda worker: computed(read.arrays(), settings, density, alone, worker)))
 
 
@@ -156,7 +156,7 @@ def _done(found: Colored) -> str:
 
 def _failed(why: str) -> None:
     stop()
-    _shown.said = told("Density is not shown: {error}", error=why)
+    _shown.end_reason = translated("Density is not shown: {error}", error=why)
 
 
 def _stopped(_why: str) -> None:
@@ -177,7 +177,7 @@ def tick() -> float | None:
     if busy():
         return PAUSE
     try:
-        _look(_shown.scatter.get())
+        _check(_shown.scatter.get())
     except Exception as error:
         _failed(sentence(_LABEL, error))
         return None
@@ -189,9 +189,9 @@ def tick() -> float | None:
     return _POLL if uploads or _shown.job is not None else PAUSE
 
 
-def _look(obj: bpy.types.Object) -> None:
+def _check(obj: bpy.types.Object) -> None:
     """Start the computation once nothing has changed for a moment."""
-    if asked_of(obj) != _shown.asked and not _shown.changed:
+    if request_of(obj) != _shown.request and not _shown.changed:
         _shown.changed = time.monotonic()
     if _shown.changed and time.monotonic() - _shown.changed >= PAUSE:
         _begin()
@@ -258,7 +258,7 @@ def _undone() -> None:
 
 def _before_load() -> None:
     stop()
-    _shown.said = ""
+    _shown.end_reason = ""
 
 
 SUBSCRIBER = Subscriber(

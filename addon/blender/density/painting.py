@@ -13,7 +13,7 @@ from ...core.base.errors import ScatterError
 from ...core.settings.density_table import PAINTED, Painted
 from ..base.recent_objects import activate, latest_of
 from ..base.translation import english
-from ..scatter.library import read_only
+from ..scatter.linked_data import read_only
 from ..scatter.object import is_scatter, surface_of
 from ..surface.joined_parts import parts_of
 

@@ -12,15 +12,15 @@ from ...core.settings.density_table import DENSITY
 from ...core.settings.descriptors import Kind, Setting
 from ...core.settings.mask_table import MASKS
 from ..base.labels import lines_of
-from ..base.panel_values import Prepared
-from ..base.translation import told
+from ..base.panel_values import CachedValue
+from ..base.translation import translated
 from ..scatter.object import material_name
 from ..scatter.panel import ScatterPanel, draw_in_header
 from ..solve.panel import draw_amount
 from ..solve.results_panel import draw_result
-from ..surface.beside import by_full_name
 from ..surface.joined_parts import parts_of
 from ..surface.mesh import read_mesh
+from ..surface.scene_objects import by_full_name
 from ..surface.values import surface_materials
 from . import overlay
 from .operators import (
@@ -33,7 +33,7 @@ from .operators import (
 )
 from .painting import painted_group, painted_scatter
 
-SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_camera")
+SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_camera_view")
 _ENDS = ("_invert", "_strength")  # which are in a row of their own
 _AVOIDED = [one for one in DENSITY if "avoid_collection" in (one.name, one.under)]
 _PLAIN = [
@@ -140,11 +140,11 @@ def _draw_note(box: bpy.types.UILayout, obj: bpy.types.Object, switch: str) -> N
     """Why a mask that is on has no effect."""
     density = obj.dapple.density
     if switch == "use_distance" and not (density.distance_object or density.distance_collection):
-        lines_of(box, told("No effect yet: choose an object or a collection"), "INFO")
+        lines_of(box, translated("No effect yet: choose an object or a collection"), "INFO")
     if switch == "use_material":
         _draw_material_note(box, obj)
     if switch == "use_border" and IS_CLOSED.of(obj):
-        lines_of(box, told("No effect: the surface is closed and has no border"), "INFO")
+        lines_of(box, translated("No effect: the surface is closed and has no border"), "INFO")
 
 
 def _draw_material_note(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
@@ -152,10 +152,10 @@ def _draw_material_note(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     chosen = [material_name(one) for one in obj.dapple.density.materials]
     there = MATERIALS.of(obj)
     if not chosen:
-        lines_of(box, told("No effect yet: choose a material"), "INFO")
+        lines_of(box, translated("No effect yet: choose a material"), "INFO")
     for name in chosen if there is not None else ():
         if name not in there:
-            lines_of(box, told("The surface has no material '{name}'", name=name), "ERROR")
+            lines_of(box, translated("The surface has no material '{name}'", name=name), "ERROR")
 
 
 def _draw_shown(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
@@ -176,7 +176,7 @@ def _materials(obj: bpy.types.Object) -> tuple[str, ...]:
     return tuple(one.name_full for one in found)
 
 
-MATERIALS = Prepared(_materials, None)  # of the surface of a scatter, by their full names
+MATERIALS = CachedValue(_materials, None)  # of the surface of a scatter, by their full names
 
 
 def is_closed(obj: bpy.types.Object) -> bool:
@@ -202,7 +202,7 @@ def _has_no_border(surface: bpy.types.Object) -> bool:
     return not len(package().density.border_edges(arrays.vertices, arrays.faces))
 
 
-IS_CLOSED = Prepared(is_closed, False)  # whether the surface of a scatter is
+IS_CLOSED = CachedValue(is_closed, False)  # whether the surface of a scatter is
 
 
 def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool:
@@ -212,7 +212,7 @@ def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> boo
         return False
     lines_of(layout, *_what(context, obj))
     if lacks_brush(_tool_name(context), context.tool_settings.weight_paint.brush):
-        lines_of(layout, told("No brush is chosen: strokes paint nothing"), "ERROR")
+        lines_of(layout, translated("No brush is chosen: strokes paint nothing"), "ERROR")
     _draw_weight(layout, context.tool_settings)
     row = layout.row()
     row.scale_y = 1.5
@@ -227,11 +227,13 @@ def _what(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, str]:
     """What strokes change now, which another vertex group makes something else: (text, icon)."""
     group, painted = painted_group(context)
     if painted is None:
-        return told("'{name}' does not use the active vertex group", name=obj.name), "ERROR"
+        return translated("'{name}' does not use the active vertex group", name=obj.name), "ERROR"
     if painted.setting == "blocked_areas":
-        text = told("Painting where '{name}' has no points: '{group}'", name=obj.name, group=group)
+        text = translated(
+            "Painting where '{name}' has no points: '{group}'", name=obj.name, group=group
+        )
         return text, "WPAINT_HLT"
-    text = told("Painting the density of '{name}': '{group}'", name=obj.name, group=group)
+    text = translated("Painting the density of '{name}': '{group}'", name=obj.name, group=group)
     return text, "WPAINT_HLT"
 
 

@@ -8,16 +8,16 @@ import bpy
 from ...core.density.colors import Colored
 from ...core.settings.density_table import ALL
 from ...core.settings.values import Settings
-from ..base.translation import item_label, told
+from ..base.translation import item_label, translated
 from ..scatter.object import settings_of, surface_of
-from ..surface.beside import obstacles_of, targets_of
+from ..surface.scene_objects import obstacles_of, targets_of
 from ..surface.surroundings import read_camera
 
 _FOOT = 0.3048
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """What the colors are of, as far as it can be looked up quickly."""
 
     surface: int  # session_uid
@@ -27,7 +27,7 @@ class Asked:
     camera: bytes = b""
 
 
-def asked_of(obj: bpy.types.Object) -> Asked:
+def request_of(obj: bpy.types.Object) -> Request:
     """What is to be shown of a scatter now."""
     surface, settings, at = surface_of(obj), settings_of(obj), obj.dapple.object_type_index
     term = obj.dapple.density.shown_term
@@ -37,14 +37,14 @@ def asked_of(obj: bpy.types.Object) -> Asked:
     elif 0 <= at < len(settings.object_types):
         density = settings.object_types[at].density
     camera = b""
-    if settings.density.use_camera:
+    if settings.density.use_camera_view:
         camera = read_camera(bpy.context.evaluated_depsgraph_get()).tobytes()
-    return Asked(surface.session_uid, settings, density, alone, camera)
+    return Request(surface.session_uid, settings, density, alone, camera)
 
 
-def watched_by(obj: bpy.types.Object, asked: Asked) -> frozenset[int]:
+def watched_by(obj: bpy.types.Object, request: Request) -> frozenset[int]:
     """Data-blocks whose updates mean that the colors may be others, by session_uid."""
-    surface, density = surface_of(obj), asked.settings.density
+    surface, density = surface_of(obj), request.settings.density
     found = [surface, surface.data, obj.dapple.density.image]
     if density.avoid_collection:
         found += obstacles_of(density.avoid_collection, surface, obj)
@@ -63,7 +63,7 @@ def legend_of(obj: bpy.types.Object, shown: Colored) -> tuple[str, str, str]:
     return (
         label,
         "0",
-        told("{most:.3g} points / {unit}", most=shown.most * shown.points * area, unit=unit),
+        translated("{most:.3g} points / {unit}", most=shown.most * shown.points * area, unit=unit),
     )
 
 

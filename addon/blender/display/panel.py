@@ -7,7 +7,7 @@ import bpy
 
 from ...core.settings.display_table import DETAIL, SHOWN, WHERE
 from ..base.labels import lines_of
-from ..base.translation import told
+from ..base.translation import translated
 from ..scatter.panel import ScatterPanel
 
 
@@ -29,4 +29,4 @@ class DAPPLE_PT_display(ScatterPanel, bpy.types.Panel):
         for setting in DETAIL:
             column.prop(settings, setting.name)
         if used and context.scene.camera is None:
-            lines_of(layout, told("The scene has no camera: all points are shown"), "INFO")
+            lines_of(layout, translated("The scene has no camera: all points are shown"), "INFO")

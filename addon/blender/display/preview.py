@@ -17,11 +17,11 @@ from ...core.base.steps import Steps
 from ..base.all_or_nothing import sentence
 from ..base.handlers import Evaluation, Subscriber
 from ..base.jobs import Job
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.renders import busy
 from ..base.step_operators import AllOrNothing
 from ..base.timers import call_within
-from ..base.translation import told
+from ..base.translation import translated
 from ..scatter.object import surface_of
 from ..scatter.points import own_points
 from ..surface.polls import ready
@@ -39,7 +39,7 @@ class _State:
     previews: dict[int, Preview]  # by the scatter's session_uid
     dirty: bool = False
     undone: bool = False  # an undo may have brought back a preview that is off
-    said: str = ""  # reason why a preview ended by itself
+    end_reason: str = ""  # reason why a preview ended by itself
 
 
 _state = _State({})
@@ -65,13 +65,13 @@ def stop_all() -> None:
 def note(obj: bpy.types.Object) -> str:
     """The state of a scatter's preview, for the panel."""
     if not is_on(obj):
-        return _state.said
+        return _state.end_reason
     follower = _state.previews[obj.session_uid].follower
     if follower is None:
-        return told("The preview is being prepared")
+        return translated("The preview is being prepared")
     if follower.over_budget:
-        return told("Over budget: points stick to the surface")
-    return told("Points are kept even")
+        return translated("Over budget: points stick to the surface")
+    return translated("Points are kept even")
 
 
 def start(obj: bpy.types.Object) -> None:
@@ -79,7 +79,7 @@ def start(obj: bpy.types.Object) -> None:
 
     Blender with windows finds that out while the artist goes on, and the panel says it.
     """
-    preview = Preview(Held(obj), Held(surface_of(obj)))
+    preview = Preview(ObjectHandle(obj), ObjectHandle(surface_of(obj)))
     if not own_points(obj).all():
         raise ScatterError(
             f"Scatter '{obj.name}' has points that its bake added: clear the bake to preview"
@@ -89,7 +89,7 @@ def start(obj: bpy.types.Object) -> None:
     preview.job = _job(preview, begin_steps(preview))
     preview.job.begin()
     _state.previews[obj.session_uid] = preview
-    _state.said, _state.dirty = "", True
+    _state.end_reason, _state.dirty = "", True
     call_within(_TICK, tick)
 
 
@@ -99,15 +99,15 @@ def stop(obj: bpy.types.Object) -> None:
     clear_bindings(keep=_state.previews)
 
 
-def solved_anew(obj: bpy.types.Object) -> None:
+def restart(obj: bpy.types.Object) -> None:
     """Restart a scatter's preview, if there is one, from its current points."""
     preview = _state.previews.get(obj.session_uid)
     clear_bindings(keep=_state.previews)
     if preview is not None:
-        _begin_anew(preview)
+        _restart_steps(preview)
 
 
-def _begin_anew(preview: Preview) -> None:
+def _restart_steps(preview: Preview) -> None:
     try:
         start(preview.scatter.get())
     except Exception as error:
@@ -125,17 +125,17 @@ def tick() -> float | None:
         return _TICK
     dirty, _state.dirty = _state.dirty, False
     for preview in list(_state.previews.values()):
-        _look(preview, dirty)
+        _check(preview, dirty)
     goes_on = any(one.job is not None for one in _state.previews.values())
     return _POLL if goes_on else _TICK
 
 
-def _look(preview: Preview, dirty: bool) -> None:
+def _check(preview: Preview, dirty: bool) -> None:
     """Continue a preview's job, or start one if its surface may have changed."""
     if preview.job is not None:
         _state.dirty |= dirty  # checked when the job is done
     elif _has_other_surface(preview):
-        _begin_anew(preview)
+        _restart_steps(preview)
     elif dirty:
         preview.job = _job(preview, follow_steps(preview))
     if preview.job is not None:
@@ -171,7 +171,7 @@ def _give_up(uid: int) -> None:
 
 def _end(preview: Preview, why: str) -> None:
     _give_up(preview.scatter.uid)
-    _state.said = told("Preview ended: {why}", why=why)
+    _state.end_reason = translated("Preview ended: {why}", why=why)
     clear_bindings(keep=_state.previews)
 
 
@@ -190,7 +190,7 @@ def _undone() -> None:
 
 def _before_load() -> None:
     stop_all()
-    _state.undone, _state.said = False, ""
+    _state.undone, _state.end_reason = False, ""
 
 
 def _disabled() -> None:

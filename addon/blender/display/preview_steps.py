@@ -16,10 +16,10 @@ from ...core.surface.records import ROW_ATTRIBUTES, Binding
 from ...nodes import get_input, has_input, set_input
 from ..base.jobs import Job
 from ..base.mesh_arrays import write_columns, write_points
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..scatter.modifier import ensure_modifier, scatter_modifier
 from ..scatter.object import is_scatter, settings_of
-from ..surface.bound import current_steps, other_faces
+from ..surface.current_binding import current_steps, other_faces
 from ..surface.mesh import mesh_parts
 from ..surface.reading import read_parts
 
@@ -30,8 +30,8 @@ _INPUT = "Preview"
 class Preview:
     """A scatter that is previewed, and what its worker knows."""
 
-    scatter: Held
-    surface: Held
+    scatter: ObjectHandle
+    surface: ObjectHandle
     follower: Follower | None = None  # once the worker has made it
     mesh: RawMesh | None = None  # that the follower began with or has seen last
     job: Job | None = None  # what goes on
@@ -88,8 +88,8 @@ def show_binding(obj: bpy.types.Object, binding: Binding) -> None:
         store = bpy.data.objects.new(label, bpy.data.meshes.new(label))
         store[_INPUT] = True
         store.is_runtime_data = store.data.is_runtime_data = True
-    if len(store.data.vertices) != len(binding.carry):
-        write_points(store.data, np.zeros((len(binding.carry), 3)))
+    if len(store.data.vertices) != len(binding.angle):
+        write_points(store.data, np.zeros((len(binding.angle), 3)))
     write_columns(store.data, binding.rows(), ROW_ATTRIBUTES)
     store.data.update_tag()
     if get_input(modifier, _INPUT) is None:

@@ -11,7 +11,7 @@ from bpy_extras.io_utils import ExportHelper
 from ...core.base.native import missing
 from ...core.export import GLTF, SUFFIXES
 from ..base.step_operators import AllOrNothing, Status
-from ..base.translation import counted, reported, told
+from ..base.translation import translated, translated_count, translated_report
 from ..scatter.object import is_scatter
 from .points import Written, export_points
 
@@ -48,9 +48,9 @@ class DAPPLE_OT_export_points(AllOrNothing, bpy.types.Operator, ExportHelper):
         if missing():
             cls.poll_message_set(missing())
         elif not chosen(context):
-            cls.poll_message_set(told("Select the scatters to export"))
+            cls.poll_message_set(translated("Select the scatters to export"))
         elif context.mode != "OBJECT":
-            cls.poll_message_set(told("Needs Object Mode"))
+            cls.poll_message_set(translated("Needs Object Mode"))
         else:
             return True
         return False
@@ -76,7 +76,7 @@ class DAPPLE_OT_export_points(AllOrNothing, bpy.types.Operator, ExportHelper):
     def work(self, context: bpy.types.Context) -> None:
         path = Path(bpy.path.abspath(self.filepath))
         written = export_points(path, chosen(context), self._frames(context.scene, path))
-        for kind, text in _said(written):
+        for kind, text in _messages(written):
             self.report({kind}, text)
 
     def concerned(self, context: bpy.types.Context) -> list[bpy.types.Object]:
@@ -94,18 +94,24 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     return found or [obj for obj in (context.object,) if is_scatter(obj)]
 
 
-def _said(written: Written) -> list[tuple[str, str]]:
+def _messages(written: Written) -> list[tuple[str, str]]:
     names = ", ".join(path.name for path in written.files)
-    said = [
-        ("INFO", reported("{names}: {count:,} instances", names=names, count=written.instances))
+    messages = [
+        (
+            "INFO",
+            translated_report("{names}: {count:,} instances", names=names, count=written.instances),
+        )
     ]
     if written.left_out:
         left = ", ".join(written.left_out)
-        said.append(
-            ("WARNING", reported("Left out because they are not meshes: {names}", names=left))
+        messages.append(
+            (
+                "WARNING",
+                translated_report("Left out because they are not meshes: {names}", names=left),
+            )
         )
     if written.skewed:
-        text = counted(
+        text = translated_count(
             written.skewed,
             ("{count} instance is skewed by an object's scale: it is written without the skew"),
             (
@@ -113,8 +119,8 @@ def _said(written: Written) -> list[tuple[str, str]]:
                 "the skew"
             ),
         )
-        said.append(("WARNING", text))
-    return said
+        messages.append(("WARNING", text))
+    return messages
 
 
 def draw_menu(menu: Any, _context: bpy.types.Context) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from ...core.export import Moment, check_path, skewed, write
+from ...core.export import SceneInfo, check_path, skewed, write
 from ..surface.reading import frame_kept
 from .collecting import Collector, as_rendered
 from .prototypes import check_installed, references
@@ -48,7 +48,7 @@ def export_points(
     check_path(target, len(frames))
     check_installed(target.suffix.lower())
     times = [float(frame) for frame in frames] or [float(scene.frame_current)]
-    moment = Moment(
+    scene_info = SceneInfo(
         times, scene.render.fps / scene.render.fps_base, scene.unit_settings.scale_length
     )
     collector = Collector(scatters)
@@ -59,17 +59,17 @@ def export_points(
                     scene.frame_set(frame)
                 collector.read()
         collector.check()
-        return _written(target, collector, moment)
+        return _written(target, collector, scene_info)
     finally:
         collector.free()
 
 
-def _written(target: Path, collector: Collector, moment: Moment) -> Written:
+def _written(target: Path, collector: Collector, scene_info: SceneInfo) -> Written:
     exported = collector.exported
     with tempfile.TemporaryDirectory() as folder:
         found = references(collector.meshes, target, Path(folder))
         for one, prototypes in zip(exported, found, strict=True):
             one.prototypes = prototypes
-        files = write(target, exported, moment)
+        files = write(target, exported, scene_info)
     count = sum(len(one.frames[0].ids) for one in exported)
     return Written(files, count, skewed(exported), sorted(collector.left_out))

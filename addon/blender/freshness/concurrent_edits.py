@@ -8,8 +8,8 @@ import bpy
 from ...core.base.errors import ScatterError
 from ...core.surface.sources import digest_of
 from ..base.mesh_arrays import read_points
-from ..base.object_handles import Held
-from ..scatter.library import is_in_view_layer
+from ..base.object_handles import ObjectHandle
+from ..scatter.linked_data import is_in_view_layer
 from ..scatter.object import bake_settings_of, settings_of
 
 
@@ -33,10 +33,10 @@ def check_points_kept(obj: bpy.types.Object, before: Any, work: str = "solved") 
         raise ScatterError(f"Scatter '{obj.name}' changed while it was {work}: nothing was written")
 
 
-class Meanwhile:
+class ConcurrentEdits:
     """The points and settings that a bake has begun with, which it describes once it is done."""
 
-    def __init__(self, scatter: Held) -> None:
+    def __init__(self, scatter: ObjectHandle) -> None:
         self.scatter, obj = scatter, scatter.get()
         self.points, self.settings = points_now(obj), self._settings(obj)
 

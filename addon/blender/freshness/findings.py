@@ -14,20 +14,20 @@ from typing import Any
 import bpy
 
 from ...core.base.errors import ScatterError
-from ..base import artist, renders, step_operators
+from ..base import renders, step_operators, user_activity
 from ..base.handlers import Evaluation, Subscriber
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.sidebars import is_shown, redraw
 from ..base.timers import call_in
 from ..surface.images import picture_digest
-from .scene_snapshot import AROUND, Present, depends_on
+from .scene_snapshot import AROUND, SceneSnapshot, depends_on
 from .staleness import Verdict, verdict
 from .unfinished_bakes import all_work_files, left_over, unfinished
 
 PAUSE = 0.2  # seconds without a change before a check, or more if checks take long
 PATIENCE = 5.0  # ratio of that pause to the duration of a check
-RARELY = 20.0  # the same for images
-GLANCE = 2.0  # seconds between two checks of an image, or more if they take long
+IMAGE_PATIENCE = 20.0  # the same for images
+IMAGE_PAUSE = 2.0  # seconds between two checks of an image, or more if they take long
 
 at_once = bpy.app.background
 
@@ -43,14 +43,14 @@ class Findings:
 
 
 @dataclass
-class _Asked:
+class _Request:
     """A scatter that the panel shows."""
 
-    scatter: Held
-    present: Present = field(default_factory=Present)
+    scatter: ObjectHandle
+    snapshot: SceneSnapshot = field(default_factory=SceneSnapshot)
     depends: dict[int, tuple[str, ...]] = field(default_factory=dict)  # by session_uid
     findings: Findings | None = None
-    doubtful: bool = True
+    outdated: bool = True
     # Properties of the image that are compared quickly, and its digest.
     picture: tuple[Any, str] = (None, "")
 
@@ -59,11 +59,13 @@ class _Asked:
 class _State:
     """What the timer, the handlers and the panel share; file data is always looked up anew."""
 
-    asked: dict[int, _Asked] = field(default_factory=dict)  # by the session_uid of the scatter
+    requested: dict[int, _Request] = field(
+        default_factory=dict
+    )  # by the session_uid of the scatter
     changed: float = 0.0  # time of the last change, monotonic
     took: float = 0.0  # seconds that the last check took
-    glanced: float = 0.0  # time of the last check of images
-    glance_took: float = 0.0
+    images_checked: float = 0.0  # time of the last check of images
+    image_check_took: float = 0.0
 
 
 _state = _State()
@@ -72,18 +74,18 @@ _state = _State()
 def findings(obj: bpy.types.Object, context: bpy.types.Context) -> Findings | None:
     """The known state of a scatter; None until it has been found."""
     if at_once:
-        return _find(obj, context, Present())
-    one = _state.asked.get(obj.session_uid)
+        return _find(obj, context, SceneSnapshot())
+    one = _state.requested.get(obj.session_uid)
     if one is None:
-        one = _state.asked[obj.session_uid] = _Asked(Held(obj))
+        one = _state.requested[obj.session_uid] = _Request(ObjectHandle(obj))
         _wake()
     fits = one.findings is not None and not one.findings.verdict.reason
-    return None if one.doubtful and fits else one.findings
+    return None if one.outdated and fits else one.findings
 
 
 def is_watching() -> bool:
     """Whether the panel shows some scatter, so that it is checked."""
-    return bool(_state.asked)
+    return bool(_state.requested)
 
 
 def has_work_files(obj: bpy.types.Object, context: bpy.types.Context) -> bool:
@@ -96,8 +98,8 @@ def has_work_files(obj: bpy.types.Object, context: bpy.types.Context) -> bool:
 
 def touch(obj: bpy.types.Object) -> None:
     """A scatter has changed in a way that no handler notices."""
-    if obj.session_uid in _state.asked:
-        _doubt(_state.asked[obj.session_uid])
+    if obj.session_uid in _state.requested:
+        _mark(_state.requested[obj.session_uid])
 
 
 def tick() -> float | None:
@@ -105,72 +107,72 @@ def tick() -> float | None:
     wait = max(PAUSE, PATIENCE * _state.took) - (time.monotonic() - _state.changed)
     if _busy() or wait > 0.0:
         return max(wait, PAUSE)
-    for uid, one in list(_state.asked.items()):
+    for uid, one in list(_state.requested.items()):
         obj = _object(one)
         if obj is None or not is_shown(obj):
-            del _state.asked[uid]
-        elif one.doubtful:
-            _look(one, obj)
-    _glance_at_pictures()
-    if any(one.doubtful for one in _state.asked.values()):
+            del _state.requested[uid]
+        elif one.outdated:
+            _check(one, obj)
+    _check_images()
+    if any(one.outdated for one in _state.requested.values()):
         return PAUSE
-    return GLANCE if any(_picture(one) for one in _state.asked.values()) else None
+    return IMAGE_PAUSE if any(_picture(one) for one in _state.requested.values()) else None
 
 
-def _look(one: _Asked, obj: bpy.types.Object) -> None:
+def _check(one: _Request, obj: bpy.types.Object) -> None:
     begin = time.monotonic()
     one.depends = depends_on(obj, bpy.context.scene)
-    one.findings = _find(obj, bpy.context, one.present)
-    one.doubtful = False
+    one.findings = _find(obj, bpy.context, one.snapshot)
+    one.outdated = False
     _state.took = time.monotonic() - begin
     redraw()
 
 
-def _find(obj: bpy.types.Object, context: bpy.types.Context, present: Present) -> Findings:
-    found = verdict(obj, context, present)
+def _find(obj: bpy.types.Object, context: bpy.types.Context, snapshot: SceneSnapshot) -> Findings:
+    found = verdict(obj, context, snapshot)
     return Findings(found, unfinished(obj), left_over(obj), bool(all_work_files(obj)))
 
 
-def _object(one: _Asked) -> bpy.types.Object | None:
+def _object(one: _Request) -> bpy.types.Object | None:
     try:
         return one.scatter.get()
     except ScatterError:  # it was removed
         return None
 
 
-def _picture(one: _Asked) -> bpy.types.Image | None:
+def _picture(one: _Request) -> bpy.types.Image | None:
     obj = _object(one)
     return obj.dapple.density.image if obj is not None else None
 
 
-def _glance_at_pictures() -> None:
+def _check_images() -> None:
     """Check whether images were painted, for which Blender has no handler."""
-    pause = max(GLANCE, RARELY * _state.glance_took)
-    if time.monotonic() - _state.glanced < pause:
+    pause = max(IMAGE_PAUSE, IMAGE_PATIENCE * _state.image_check_took)
+    if time.monotonic() - _state.images_checked < pause:
         return
     begin = time.monotonic()
-    for one in _state.asked.values():
+    for one in _state.requested.values():
         image = _picture(one)
         if image is not None:
-            _glance(one, image)
-    _state.glanced = time.monotonic()
-    _state.glance_took = _state.glanced - begin
+            _check_image(one, image)
+    _state.images_checked = time.monotonic()
+    _state.image_check_took = _state.images_checked - begin
 
 
-def _glance(one: _Asked, image: bpy.types.Image) -> None:
+def _check_image(one: _Request, image: bpy.types.Image) -> None:
     """An image is read only if it has unsaved changes or its file changed."""
     token = (image.session_uid, image.is_dirty, image.filepath, image.source, tuple(image.size))
     if token == one.picture[0] and not image.is_dirty:
         return
     seen = (token, picture_digest(image))
     if one.picture[0] is not None and seen != one.picture:
-        one.present.forget(AROUND)
-        one.doubtful = True
+        one.snapshot.forget(AROUND)
+        one.outdated = True
     one.picture = seen
 
 
-def _doubt(one: _Asked) -> None:
-    one.doubtful = True
+def _mark(one: _Request) -> None:
+    one.outdated = True
     _state.changed = time.monotonic()
     _wake()
 
@@ -182,42 +184,42 @@ def _wake() -> None:
 
 def _busy() -> bool:
     """Whether Blender renders, plays the animation or runs an operator of the add-on."""
-    return renders.busy() or step_operators.is_under_way() or artist.is_playing()
+    return renders.busy() or step_operators.is_under_way() or user_activity.is_playing()
 
 
 def _updated(evaluation: Evaluation) -> None:
     """Mark the scatters that depend on edited data."""
-    if not _state.asked:
+    if not _state.requested:
         return
     touched = {one.uid: one.is_edited for one in evaluation.updates}
-    for one in _state.asked.values():
+    for one in _state.requested.values():
         for uid in touched.keys() & one.depends.keys():
             if touched[uid]:
-                one.present.forget(*one.depends[uid])
-            _doubt(one)
+                one.snapshot.forget(*one.depends[uid])
+            _mark(one)
 
 
 def _frame_changed(evaluation: Evaluation) -> None:
     _updated(evaluation)
-    _all_doubtful()
+    _mark_all()
 
 
 def _saved(_path: str) -> None:
-    _all_doubtful()
+    _mark_all()
 
 
-def _all_doubtful() -> None:
-    for one in _state.asked.values():
-        _doubt(one)
+def _mark_all() -> None:
+    for one in _state.requested.values():
+        _mark(one)
 
 
 SUBSCRIBER = Subscriber(
     updated=_updated,
     frame_changed=_frame_changed,
-    render_ended=_all_doubtful,
-    undone=_state.asked.clear,
-    before_load=_state.asked.clear,
+    render_ended=_mark_all,
+    undone=_state.requested.clear,
+    before_load=_state.requested.clear,
     saved=_saved,
-    disabled=_state.asked.clear,
+    disabled=_state.requested.clear,
     ticks=(tick,),
 )

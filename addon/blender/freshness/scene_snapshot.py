@@ -28,10 +28,10 @@ from ...core.surface.sources import (
 from ..scatter.key_stores import key_tables, stores_of
 from ..scatter.object import settings_of
 from ..scatter.points import points_digest
-from ..surface.beside import own_objects
 from ..surface.joined_parts import collections_of, members_of
 from ..surface.mesh import read_outline
 from ..surface.reading import value_digests
+from ..surface.scene_objects import own_objects
 from ..surface.surroundings import read_around
 
 SURFACE, VALUES, AROUND = "surface", "values", "around"
@@ -39,19 +39,19 @@ POINTS, KEYS = "points", "keys"
 
 
 @dataclass(frozen=True)
-class Looked:
+class SurfaceSummary:
     """A surface as it is now, without its arrays."""
 
     name: str
     vertices: int
     trouble: str  # why no points can be on it, in English; empty: they can
-    bare: bool  # whether it has no faces
+    empty: bool  # whether it has no faces
     outline: Outline
     sketched: Sketched
 
 
 @dataclass
-class Present:
+class SceneSnapshot:
     """What is there now for one scatter, as far as it was asked for."""
 
     parts: dict[str, tuple[Any, Any]] = field(default_factory=dict)  # what it was asked with, found
@@ -61,10 +61,10 @@ class Present:
         for name in names:
             self.parts.pop(name, None)
 
-    def surface(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Looked:
+    def surface(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> SurfaceSummary:
         """The surface of a scatter; ScatterError if it has no mesh."""
         surface = obj.dapple.surface
-        return self._kept(SURFACE, surface.session_uid, lambda: _look(surface))
+        return self._kept(SURFACE, surface.session_uid, lambda: _summarize(surface))
 
     def sources(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Sources:
         """All that a solution would be solved from now; ScatterError if none can be."""
@@ -77,13 +77,13 @@ class Present:
             lambda: value_digests(surface, names, materials),
         )
         own = sorted(one.session_uid for one in own_objects(obj))
-        beside = self._kept(
+        nearby = self._kept(
             AROUND,
             (uid, settings.density, own),
             lambda: around_sources(outline.pose, read_around(settings, surface, obj)),
         )
         found = surface_sources(outline, values, settings)
-        return replace(joined(found, beside), frame=float(depsgraph.scene.frame_current_final))
+        return replace(joined(found, nearby), frame=float(depsgraph.scene.frame_current_final))
 
     def points(self, obj: bpy.types.Object) -> str:
         """Digest of the points as they are stored."""
@@ -91,26 +91,26 @@ class Present:
 
     def wrong_key(self, obj: bpy.types.Object) -> str:
         """The first index of a bake that points to nothing; empty where all are right."""
-        asked = obj.dapple.bake_fingerprint
-        return str(self._kept(KEYS, asked, lambda: wrong_index(*key_tables(obj))))
+        version = obj.dapple.bake_fingerprint
+        return str(self._kept(KEYS, version, lambda: wrong_index(*key_tables(obj))))
 
-    def _kept(self, name: str, asked: Any, read: Callable[[], Any]) -> Any:
+    def _kept(self, name: str, version: Any, read: Callable[[], Any]) -> Any:
         known = self.parts.get(name)
-        if known is None or known[0] != asked:
-            known = self.parts[name] = (asked, read())
+        if known is None or known[0] != version:
+            known = self.parts[name] = (version, read())
         return known[1]
 
 
-def _look(surface: bpy.types.Object) -> Looked:
+def _summarize(surface: bpy.types.Object) -> SurfaceSummary:
     arrays = read_outline(surface)
-    count, bare = len(arrays.vertices), _is_bare(arrays)
-    trouble = "has no faces" if bare else _trouble(arrays)
+    count, empty = len(arrays.vertices), _is_empty(arrays)
+    trouble = "has no faces" if empty else _trouble(arrays)
     if trouble:
         arrays = replace(arrays, vertices=np.empty((0, 3)))
-    return Looked(arrays.name, count, trouble, bare, outline_of(arrays), sketched(arrays))
+    return SurfaceSummary(arrays.name, count, trouble, empty, outline_of(arrays), sketched(arrays))
 
 
-def _is_bare(arrays: SurfaceArrays) -> bool:
+def _is_empty(arrays: SurfaceArrays) -> bool:
     """Whether a surface that is not triangulated has no faces."""
     none = np.empty(0, dtype=np.int32)
     count = len(arrays.vertices)
@@ -133,7 +133,7 @@ def depends_on(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[int, tuple
     if density.use_distance:
         around += _with_data(density.distance_object)
         around += _obstacles(density.distance_collection)
-    if density.use_camera:
+    if density.use_camera_view:
         around += _with_data(scene.camera)
     whole = [block for one in members_of(surface) for block in _with_data(one)]
     parts = [([*whole, *collections_of(surface)], (SURFACE, VALUES, AROUND)), (around, (AROUND,))]

@@ -11,13 +11,13 @@ from ...core.solve.stale import moved
 from ...core.surface.records import RESULT_KEY
 from ...core.surface.sources import Sources
 from ..base.times import time_of, times_of, whole_time
-from ..base.translation import counted, told
+from ..base.translation import translated, translated_count
 from ..scatter.key_stores import frames, key_points
 from ..scatter.object import is_surface, settings_reason, solve_again
-from ..scatter.points import points_digest, touched_places
+from ..scatter.points import edited_places, points_digest
 from ..surface.joined_parts import has_lost_some, is_joined, parts_of, pieces_of, wanted
-from .contents import contents, other_surface, solution_reason
-from .scene_snapshot import Looked, Present
+from .content_changes import contents, other_surface, solution_reason
+from .scene_snapshot import SceneSnapshot, SurfaceSummary
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
 
 
 def verdict(
-    obj: bpy.types.Object, context: bpy.types.Context, present: Present | None = None
+    obj: bpy.types.Object, context: bpy.types.Context, snapshot: SceneSnapshot | None = None
 ) -> Verdict:
     """Compare a result with what is there now: present, as far as it was read before.
 
@@ -42,31 +42,33 @@ def verdict(
     """
     depsgraph = context.evaluated_depsgraph_get()
     try:
-        return _verdict(obj, depsgraph, present or Present())
+        return _verdict(obj, depsgraph, snapshot or SceneSnapshot())
     except ScatterError as error:  # nothing could be solved from what is there
         return Verdict(str(error))
 
 
-def _verdict(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, present: Present) -> Verdict:
+def _verdict(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, snapshot: SceneSnapshot
+) -> Verdict:
     if _is_unseen(obj, depsgraph):
         reason = other_surface(obj) or _parts_reason(obj.dapple.surface)
-        note = told("Not compared with its surface while it is hidden")
+        note = translated("Not compared with its surface while it is hidden")
         return Verdict(solve_again(obj, reason)) if reason else Verdict("", note)
     reason = _object_reason(obj, depsgraph)
     if reason:
         return Verdict(reason)
-    looked = present.surface(obj, depsgraph)
-    reason = _surface_reason(obj, depsgraph, looked) or points_reason(obj, present)
+    summary = snapshot.surface(obj, depsgraph)
+    reason = _surface_reason(obj, depsgraph, summary) or points_reason(obj, snapshot)
     reason = reason or settings_reason(obj)
     if reason:
         return Verdict(reason)
-    if looked.bare:
-        return Verdict(bake_reason(obj, depsgraph.scene, present, looked))
-    reasons, note = contents(obj, present.sources(obj, depsgraph))
+    if summary.empty:
+        return Verdict(bake_reason(obj, depsgraph.scene, snapshot, summary))
+    reasons, note = contents(obj, snapshot.sources(obj, depsgraph))
     if reasons:
         return Verdict(solve_again(obj, reasons[0]))
     if obj.dapple.baked_keys:
-        return Verdict(bake_reason(obj, depsgraph.scene, present, looked))
+        return Verdict(bake_reason(obj, depsgraph.scene, snapshot, summary))
     return Verdict("", note)
 
 
@@ -81,32 +83,34 @@ def _object_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str
     """What keeps the surface from being looked at."""
     surface = obj.dapple.surface
     if surface is None:
-        return told("The surface is gone")
+        return translated("The surface is gone")
     if not is_surface(surface):
-        return told(
+        return translated(
             "Surface '{surface}' is not a mesh, curve, text or metaball", surface=surface.name
         )
     if not surface.evaluated_get(depsgraph).is_evaluated:
-        return told("Surface '{surface}' is not in the view layer", surface=surface.name)
+        return translated("Surface '{surface}' is not in the view layer", surface=surface.name)
     if not surface.users_collection and surface.library is None and not is_joined(surface):
-        return told(
+        return translated(
             "Surface '{surface}' was deleted or is in no collection: choose another one",
             surface=surface.name,
         )
     return ""
 
 
-def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked: Looked) -> str:
+def _surface_reason(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, summary: SurfaceSummary
+) -> str:
     surface = obj.dapple.surface
     if is_joined(surface) and _parts_reason(surface):
         reason = _parts_reason(surface)
     elif obj.dapple.attached_to == "REST":
         reason = _rest_reason(surface)
     else:
-        reason = _faces_reason(obj, depsgraph, looked)
-    if looked.trouble and not reason and not is_baked_bare(obj, depsgraph.scene, looked):
-        reason = told(
-            "Surface '{surface}': {trouble}", surface=surface.name, trouble=looked.trouble
+        reason = _faces_reason(obj, depsgraph, summary)
+    if summary.trouble and not reason and not is_baked_empty(obj, depsgraph.scene, summary):
+        reason = translated(
+            "Surface '{surface}': {trouble}", surface=surface.name, trouble=summary.trouble
         )
     reason = reason or other_surface(obj)
     return solve_again(obj, reason) if reason else ""
@@ -115,40 +119,42 @@ def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looke
 def _rest_reason(surface: bpy.types.Object) -> str:
     for part in parts_of(surface):
         if part.type == "MESH" and not part.add_rest_position_attribute:
-            return told("Rest Position of '{surface}' is off", surface=part.name)
+            return translated("Rest Position of '{surface}' is off", surface=part.name)
     return ""
 
 
 def _parts_reason(surface: bpy.types.Object) -> str:
     """Whether a joined surface does not consist of what it is to."""
     if has_lost_some(surface):
-        return told("A part of '{surface}' was deleted", surface=surface.name)
+        return translated("A part of '{surface}' was deleted", surface=surface.name)
     before, now = pieces_of(surface), wanted(surface)
     for piece in before:
         if piece not in now:
-            return told(
+            return translated(
                 "'{part}' of '{surface}' was deleted or left its collection",
                 part=piece.object.name,
                 surface=surface.name,
             )
     for piece in now[len(before) :]:
-        return told(
+        return translated(
             "'{part}' was added to '{surface}'", part=piece.object.name, surface=surface.name
         )
     return ""
 
 
-def _faces_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked: Looked) -> str:
-    bound, now = bound_vertices(obj, depsgraph.scene), looked.vertices
+def _faces_reason(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, summary: SurfaceSummary
+) -> str:
+    bound, now = bound_vertices(obj, depsgraph.scene), summary.vertices
     known = obj.dapple.surface_topology.split()
     if now not in bound:
-        return told(
+        return translated(
             "Attached to {bound:,} vertices, the surface has {now:,}", bound=bound[0], now=now
         )
-    if known and looked.outline.topology not in known:
-        return told(
+    if known and summary.outline.topology not in known:
+        return translated(
             "The faces of '{surface}' are not those that the points are attached to",
-            surface=looked.name,
+            surface=summary.name,
         )
     return ""
 
@@ -162,26 +168,26 @@ def needs_solving(obj: bpy.types.Object, now: Sources) -> bool:
     other_faces = on_faces and now.exact["faces"] not in known
     other_binding = obj.dapple.attach_to not in ("AUTO", obj.dapple.attached_to)
     undone = bool(obj.dapple.solved_points) and points_digest(obj) != obj.dapple.solved_points
-    placed = touched_places(obj) is not None
+    placed = edited_places(obj) is not None
     changed = placed or other_faces or other_binding or undone
     return changed or bool(solution_reason(obj, now))
 
 
 def bake_reason(
-    obj: bpy.types.Object, scene: bpy.types.Scene, present: Present, looked: Looked
+    obj: bpy.types.Object, scene: bpy.types.Scene, snapshot: SceneSnapshot, summary: SurfaceSummary
 ) -> str:
     """The first of the reasons in words; empty when the bake fits."""
     reasons = (
-        _key_reason(obj, present),
+        _key_reason(obj, snapshot),
         _range_reason(obj, scene),
-        _motion_reason(obj, scene, looked),
+        _motion_reason(obj, scene, summary),
     )
     return next((solve_again(obj, reason) for reason in reasons if reason), "")
 
 
-def _key_reason(obj: bpy.types.Object, present: Present) -> str:
-    wrong = present.wrong_key(obj)
-    return told("The keyframes are damaged: {wrong}", wrong=wrong) if wrong else ""
+def _key_reason(obj: bpy.types.Object, snapshot: SceneSnapshot) -> str:
+    wrong = snapshot.wrong_key(obj)
+    return translated("The keyframes are damaged: {wrong}", wrong=wrong) if wrong else ""
 
 
 def _range_reason(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
@@ -190,7 +196,7 @@ def _range_reason(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     start, end = times_of(scene, scene.frame_start, scene.frame_end)
     if first <= start and end <= last:
         return ""
-    return told(
+    return translated(
         "Frames {first} to {last} are baked, the scene has {start} to {end}",
         first=first,
         last=last,
@@ -199,21 +205,21 @@ def _range_reason(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     )
 
 
-def _motion_reason(obj: bpy.types.Object, scene: bpy.types.Scene, looked: Looked) -> str:
+def _motion_reason(obj: bpy.types.Object, scene: bpy.types.Scene, summary: SurfaceSummary) -> str:
     frame = _baked_frame(obj, scene)
     if frame is None:
         return ""
     columns = frames(obj)
     stored = np.array([columns[f"dapple_sketch{k}"][frame] for k in range(3)], dtype=np.float64)
-    if stored.any() or looked.bare:
+    if stored.any() or summary.empty:
         if (
             obj.dapple.attached_to == "REST"
-            and looked.vertices != columns["dapple_vertices"][frame]
+            and summary.vertices != columns["dapple_vertices"][frame]
         ):
             return ""  # other faces of the same shape: vertices cannot be compared
-        if not moved(stored, looked.sketched):
+        if not moved(stored, summary.sketched):
             return ""
-    return told(
+    return translated(
         "Surface '{surface}' moves differently than when it was baked (frame {frame})",
         surface=obj.dapple.surface.name,
         frame=whole_time(scene),
@@ -228,10 +234,10 @@ def _baked_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int | None:
     return time - obj.dapple.baked_start
 
 
-def is_baked_bare(obj: bpy.types.Object, scene: bpy.types.Scene, looked: Looked) -> bool:
+def is_baked_empty(obj: bpy.types.Object, scene: bpy.types.Scene, summary: SurfaceSummary) -> bool:
     """Whether a surface has no faces now as it had none in the bake."""
-    baked = looked.bare and obj.dapple.baked_keys > 0
-    return baked and looked.vertices in bound_vertices(obj, scene)
+    baked = summary.empty and obj.dapple.baked_keys > 0
+    return baked and summary.vertices in bound_vertices(obj, scene)
 
 
 def bound_vertices(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[int]:
@@ -252,38 +258,38 @@ def is_edited(obj: bpy.types.Object) -> bool:
     return bool(stored[0]) and points_digest(obj) not in stored
 
 
-def points_reason(obj: bpy.types.Object, present: Present) -> str:
+def points_reason(obj: bpy.types.Object, snapshot: SceneSnapshot) -> str:
     """Whether points were edited by hand, or added and removed under the keys."""
     if obj.dapple.baked_keys and len(obj.data.vertices) != key_points(obj):
-        return solve_again(obj, told("Points were added or removed since the bake"))
-    reason = _edited_reason(obj, present)
-    if reason and obj.data.get(RESULT_KEY) == present.points(obj):
-        return solve_again(obj, told("An undo restored points of other settings"))
+        return solve_again(obj, translated("Points were added or removed since the bake"))
+    reason = _edited_reason(obj, snapshot)
+    if reason and obj.data.get(RESULT_KEY) == snapshot.points(obj):
+        return solve_again(obj, translated("An undo restored points of other settings"))
     return reason or _placed_reason(obj)
 
 
-def _edited_reason(obj: bpy.types.Object, present: Present) -> str:
+def _edited_reason(obj: bpy.types.Object, snapshot: SceneSnapshot) -> str:
     if not obj.dapple.baked_keys and obj.dapple.report.count != len(obj.data.vertices):
         return _added_or_removed(len(obj.data.vertices) - obj.dapple.report.count)
-    if not obj.dapple.solved_points or present.points(obj) == obj.dapple.solved_points:
+    if not obj.dapple.solved_points or snapshot.points(obj) == obj.dapple.solved_points:
         return ""
-    return told("Points were edited by hand: reattach them, or lock them and optimize")
+    return translated("Points were edited by hand: reattach them, or lock them and optimize")
 
 
 def _placed_reason(obj: bpy.types.Object) -> str:
-    if obj.dapple.baked_keys or touched_places(obj) is None:
+    if obj.dapple.baked_keys or edited_places(obj) is None:
         return ""
-    return solve_again(obj, told("Points were placed by hand; their neighbors are uneven"))
+    return solve_again(obj, translated("Points were placed by hand; their neighbors are uneven"))
 
 
 def _added_or_removed(added: int) -> str:
     if added > 0:
-        return counted(
+        return translated_count(
             added,
             "{count} point was added by hand: reattach it, or lock it and optimize",
             "{count:,} points were added by hand: reattach them, or lock them and optimize",
         )
-    return counted(
+    return translated_count(
         -added,
         "{count} point was removed by hand: reattach to keep the others, or optimize",
         "{count:,} points were removed by hand: reattach to keep the others, or optimize",

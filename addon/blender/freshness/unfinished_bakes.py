@@ -22,7 +22,7 @@ from ...core.base.native import missing
 from ...core.settings.values import Settings
 from ...core.surface.records import ROW_ATTRIBUTES
 from ..base.handlers import Evaluation, Subscriber
-from ..base.translation import told
+from ..base.translation import translated
 from ..scatter.object import is_scatter, settings_of
 from ..scatter.points import own_columns
 
@@ -89,7 +89,7 @@ def unsaved_note() -> str:
     """What to say about a file that was never saved; empty when it was."""
     if bpy.data.filepath:
         return ""
-    return told("Save the file to keep the frames of a stopped bake after Blender closes")
+    return translated("Save the file to keep the frames of a stopped bake after Blender closes")
 
 
 def _base() -> Path:

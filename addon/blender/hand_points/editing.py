@@ -9,12 +9,12 @@ from ...core.base.errors import ScatterError
 from ...core.surface.arrays import Floats
 from ..base.mesh_arrays import read_points, to_local, to_world
 from ..freshness.staleness import is_edited
-from ..scatter.library import own_mesh
+from ..scatter.linked_data import own_mesh
 from ..scatter.modifier import scatter_modifier
 from ..scatter.object import is_scatter, surface_of
 from ..scatter.points import point_columns_of, write_digest
 from ..solve.session_solutions import known_as_placed
-from ..surface.bound import current_binding
+from ..surface.current_binding import current_binding
 from ..surface.reading import read
 from .hand_placed import (
     forget_places,

@@ -26,11 +26,11 @@ from ...core.surface.records import (
 )
 from ...core.surface.rest import AtRest
 from ..base.mesh_arrays import read_columns, read_points, to_local, to_world, write_columns
-from ..base.object_handles import Held
-from ..scatter.library import own_mesh
+from ..base.object_handles import ObjectHandle
+from ..scatter.linked_data import own_mesh
 from ..scatter.object import settings_of, surface_of
 from ..scatter.points import (
-    add_touched,
+    add_edited,
     columns_with_own_ids,
     own_columns,
     point_columns_of,
@@ -39,7 +39,7 @@ from ..scatter.points import (
 )
 from ..scatter.store import write_binding, write_own_ids
 from ..solve.session_solutions import known_as_placed
-from ..surface.bound import binding_now, other_faces, rest_of
+from ..surface.current_binding import binding_now, other_faces, rest_of
 from ..surface.reading import read
 from ..surface.rest_position import rest_position
 from .locking import write_locked
@@ -64,8 +64,8 @@ def take_in(
     places = to_world(obj, read_points(obj.data))
     found = attached(before, places, placed, arrays, obj.dapple.forward)
     if lost is not None:
-        found = replace(found, touched=np.concatenate([found.touched, lost]))
-    with rest_position(Held(surface), obj.dapple.attached_to):
+        found = replace(found, edited=np.concatenate([found.edited, lost]))
+    with rest_position(ObjectHandle(surface), obj.dapple.attached_to):
         rest = _rest(obj, surface, arrays, found.binding, placed)
         solved = obj.dapple.solved_points
         write_placed(obj, arrays, found, placed, columns, rest)
@@ -162,5 +162,5 @@ def write_placed(
     write_own_ids(obj, columns)
     write_locked(obj, placed)
     inverse = np.linalg.pinv(arrays.matrix)  # which a flattened surface has too
-    add_touched(obj, found.touched @ inverse[:3, :3].T + inverse[:3, 3])
+    add_edited(obj, found.edited @ inverse[:3, :3].T + inverse[:3, 3])
     write_digest(obj)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...core.base.errors import ScatterError
 from ..base.mesh_arrays import own_attribute
-from ..scatter.library import own_mesh
+from ..scatter.linked_data import own_mesh
 
 _NAME = "dapple_locked"
 

@@ -6,8 +6,8 @@ import numpy as np
 from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, tried
-from ..base.translation import reported, told
-from ..scatter.library import read_only
+from ..base.translation import translated, translated_report
+from ..scatter.linked_data import read_only
 from ..settings.updates import settings_changed
 from ..solve import auto_update
 from ..surface.polls import editable, writable
@@ -44,7 +44,7 @@ class DAPPLE_OT_finish_editing_points(AllOrNothing, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = edited_scatter(context)
         if obj is None:
-            cls.poll_message_set(told("No points of a scatter are being edited"))
+            cls.poll_message_set(translated("No points of a scatter are being edited"))
         elif read_only(obj):
             cls.poll_message_set(read_only(obj))
         else:
@@ -54,7 +54,7 @@ class DAPPLE_OT_finish_editing_points(AllOrNothing, bpy.types.Operator):
     def work(self, context: bpy.types.Context) -> None:
         placed, removed = end_editing(context)
         auto_update.touch(context.object)
-        text = reported(
+        text = translated_report(
             "Points placed and locked: {placed:,}, removed: {removed:,}",
             placed=placed,
             removed=removed,
@@ -62,7 +62,7 @@ class DAPPLE_OT_finish_editing_points(AllOrNothing, bpy.types.Operator):
         self.report({"INFO"}, text)
 
 
-class _PlacesPoint(AllOrNothing):
+class _PointOperator(AllOrNothing):
     """Places a point of the active scatter."""
 
     @classmethod
@@ -78,7 +78,7 @@ class _PlacesPoint(AllOrNothing):
         raise NotImplementedError
 
 
-class _PlacesThere(_PlacesPoint):
+class _LocationOperator(_PointOperator):
     location: FloatVectorProperty(
         name="Location",
         description="Position in world space; the nearest position on the surface is used",
@@ -87,7 +87,7 @@ class _PlacesThere(_PlacesPoint):
     )
 
 
-class DAPPLE_OT_add_point(_PlacesThere, bpy.types.Operator):
+class DAPPLE_OT_add_point(_LocationOperator, bpy.types.Operator):
     """Add a point and lock it"""
 
     bl_idname = "dapple.add_point"
@@ -102,7 +102,7 @@ class DAPPLE_OT_add_point(_PlacesThere, bpy.types.Operator):
         add_point(obj, np.array(self.location), self.object_type)
 
 
-class DAPPLE_OT_place_point(_PlacesThere, bpy.types.Operator):
+class DAPPLE_OT_place_point(_LocationOperator, bpy.types.Operator):
     """Add a point under the mouse while the points of a scatter are edited"""
 
     bl_idname = "dapple.place_point"
@@ -120,7 +120,7 @@ class DAPPLE_OT_place_point(_PlacesThere, bpy.types.Operator):
     def _place_there(self, context: bpy.types.Context, event: bpy.types.Event) -> Status | None:
         place = place_under_mouse(context, event)
         if place is None:
-            self.report({"WARNING"}, reported("The surface is not under the mouse"))
+            self.report({"WARNING"}, translated_report("The surface is not under the mouse"))
             return {"CANCELLED"}
         self.location = place
         self.work(context)
@@ -130,11 +130,11 @@ class DAPPLE_OT_place_point(_PlacesThere, bpy.types.Operator):
         add_vertex(obj, np.array(self.location))
 
 
-class _OfPoint:
+class _PointIdOperator:
     id: IntProperty(name="Id", description="The id of the point", min=0, soft_max=100_000)
 
 
-class DAPPLE_OT_move_point(_PlacesThere, _OfPoint, bpy.types.Operator):
+class DAPPLE_OT_move_point(_LocationOperator, _PointIdOperator, bpy.types.Operator):
     """Move a point and lock it"""
 
     bl_idname = "dapple.move_point"
@@ -145,7 +145,7 @@ class DAPPLE_OT_move_point(_PlacesThere, _OfPoint, bpy.types.Operator):
         move_point(obj, self.id, np.array(self.location))
 
 
-class DAPPLE_OT_remove_point(_PlacesPoint, _OfPoint, bpy.types.Operator):
+class DAPPLE_OT_remove_point(_PointOperator, _PointIdOperator, bpy.types.Operator):
     """Remove a point"""
 
     bl_idname = "dapple.remove_point"
@@ -177,9 +177,9 @@ class DAPPLE_OT_lock_points(AllOrNothing, bpy.types.Operator):
         count = lock_points(context.object, self.lock, self.every)
         settings_changed(context.object.dapple, context)  # an update may have waited for it
         if self.lock:
-            self.report({"INFO"}, reported("Points locked: {count:,}", count=count))
+            self.report({"INFO"}, translated_report("Points locked: {count:,}", count=count))
         else:
-            self.report({"INFO"}, reported("Points unlocked: {count:,}", count=count))
+            self.report({"INFO"}, translated_report("Points unlocked: {count:,}", count=count))
 
 
 CLASSES = (

@@ -6,7 +6,7 @@ from typing import ClassVar
 import bpy
 
 from ..base.labels import lines_of
-from ..base.translation import OWN, counted, told
+from ..base.translation import OWN, translated, translated_count
 from ..object_types.panel import active_type
 from ..scatter.panel import ScatterPanel
 from .editing import edited_scatter
@@ -21,9 +21,9 @@ def draw_editing(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool
     obj = edited_scatter(context)
     if obj is None:
         return False
-    lines_of(layout, told("Editing the points of '{name}'", name=obj.name), "EDITMODE_HLT")
-    lines_of(layout, told("Ctrl and right click adds a point, G moves, X removes"))
-    lines_of(layout, told("Added and moved points are projected onto the surface and locked"))
+    lines_of(layout, translated("Editing the points of '{name}'", name=obj.name), "EDITMODE_HLT")
+    lines_of(layout, translated("Ctrl and right click adds a point, G moves, X removes"))
+    lines_of(layout, translated("Added and moved points are projected onto the surface and locked"))
     row = layout.row()
     row.scale_y = 1.5
     row.operator(DAPPLE_OT_finish_editing_points.bl_idname, text="Done", icon="CHECKMARK")
@@ -59,7 +59,7 @@ def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     lock.lock = True
     row.operator(DAPPLE_OT_lock_points.bl_idname, text="", icon="UNLOCKED").lock = False
     if obj.dapple.locked_count:
-        text = counted(
+        text = translated_count(
             obj.dapple.locked_count, "{count} point is locked", "{count:,} points are locked"
         )
         layout.label(text=text, icon="LOCKED")

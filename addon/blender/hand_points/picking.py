@@ -12,7 +12,7 @@ from ..scatter.object import surface_of
 from ..surface.mesh import evaluated_mesh
 
 
-def met(surface: bpy.types.Object, origin: Vector, direction: Vector) -> Floats | None:
+def ray_hit(surface: bpy.types.Object, origin: Vector, direction: Vector) -> Floats | None:
     """The first place of the surface that a ray meets, in world space; None: it meets none."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     matrix = surface.evaluated_get(depsgraph).matrix_world
@@ -36,4 +36,4 @@ def place_under_mouse(context: bpy.types.Context, event: bpy.types.Event) -> Flo
         return None
     at = event.mouse_region_x, event.mouse_region_y
     origin = region_2d_to_origin_3d(region, view, at)
-    return met(surface_of(context.object), origin, region_2d_to_vector_3d(region, view, at))
+    return ray_hit(surface_of(context.object), origin, region_2d_to_vector_3d(region, view, at))

@@ -8,10 +8,10 @@ import numpy as np
 from ...core.base.errors import ScatterError
 from ...core.surface.arrays import Floats
 from ..base.mesh_arrays import to_local
-from ..scatter.library import own_mesh
+from ..scatter.linked_data import own_mesh
 from ..scatter.object import surface_of
 from ..scatter.points import point_columns_of
-from ..surface.bound import binding_now
+from ..surface.current_binding import binding_now
 from ..surface.reading import read
 from .hand_placed import take_in
 

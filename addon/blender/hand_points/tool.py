@@ -11,7 +11,7 @@ from gpu_extras.batch import batch_for_shader
 
 from ...core.surface.arrays import Floats
 from ..base.step_operators import Status, tried
-from ..base.translation import reported
+from ..base.translation import translated_report
 from ..solve import auto_update
 from ..surface.polls import editable
 from .picking import place_under_mouse
@@ -46,13 +46,13 @@ class DAPPLE_OT_pull_point(bpy.types.Operator):
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         """Let go where the button is released; Esc and the right button leave the point."""
         if event.type in {"ESC", "RIGHTMOUSE"}:
-            self._let_go(context)
+            self._release(context)
             return {"CANCELLED"}
         if event.type == "MOUSEMOVE":
             self._line.to((event.mouse_region_x, event.mouse_region_y))
         if event.type != "LEFTMOUSE" or event.value != "RELEASE":
             return {"RUNNING_MODAL"}
-        self._let_go(context)
+        self._release(context)
         moved = max(abs(event.mouse_x - self._from[0]), abs(event.mouse_y - self._from[1]))
         if moved <= _STILL:
             return {"CANCELLED"}
@@ -95,10 +95,10 @@ class DAPPLE_OT_pull_point(bpy.types.Operator):
     def _place(self, context: bpy.types.Context, event: bpy.types.Event) -> Floats | None:
         place = place_under_mouse(context, event)
         if place is None:
-            self.report({"WARNING"}, reported("The surface is not under the mouse"))
+            self.report({"WARNING"}, translated_report("The surface is not under the mouse"))
         return None if place is None else np.asarray(place)
 
-    def _let_go(self, context: bpy.types.Context) -> None:
+    def _release(self, context: bpy.types.Context) -> None:
         context.window.cursor_modal_restore()
         self._line.remove()
 

@@ -3,13 +3,13 @@
 
 import bpy
 
-from ..base.panel_values import Prepared
-from ..base.translation import told
+from ..base.panel_values import CachedValue
+from ..base.translation import translated
 from ..scatter.panel import ScatterPanel
-from .classes import DAPPLE_OT_edit_object_types, DAPPLE_OT_select_overlap, count_labels
+from .operators import DAPPLE_OT_edit_object_types, DAPPLE_OT_select_overlap, count_labels
 
 _AXES = ("scale_x", "scale_y", "scale_z")
-_TOLD = 0.005  # what becomes 1 % at least
+_SHOWN_SHARE = 0.005  # what becomes 1 % at least
 
 
 class DAPPLE_UL_object_types(bpy.types.UIList):
@@ -52,7 +52,7 @@ class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
         if owner.collection:
             _draw_weights(column, owner)
         _draw_size(layout, owner)
-        if settings.report.worst_overlap >= _TOLD:
+        if settings.report.worst_overlap >= _SHOWN_SHARE:
             row = layout.row()
             row.label(text=_overlap(settings))
             row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
@@ -98,9 +98,9 @@ def _overlap(settings: bpy.types.AnyType) -> str:
     report = settings.report
     share = 100 * report.worst_overlap
     if not settings.baked_keys:
-        return told("Max overlap {share:.0f} %", share=share)
+        return translated("Max overlap {share:.0f} %", share=share)
     frame = report.overlap_frame
-    return told("Max overlap {share:.0f} % in frame {frame}", share=share, frame=frame)
+    return translated("Max overlap {share:.0f} % in frame {frame}", share=share, frame=frame)
 
 
 def _draw_class_list(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
@@ -139,4 +139,4 @@ def _class_counts(obj: bpy.types.Object) -> tuple[str, ...]:
     return tuple(count_labels(obj))
 
 
-CLASS_COUNTS = Prepared(_class_counts, ())
+CLASS_COUNTS = CachedValue(_class_counts, ())

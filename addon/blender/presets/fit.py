@@ -8,7 +8,7 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from ...core.settings import presets
-from ..base.translation import reported
+from ..base.translation import translated_report
 from ..surface.mesh import evaluated_mesh, uv_layer
 from ..surface.surroundings import check_camera
 from ..surface.values import read_weights
@@ -29,20 +29,20 @@ def first_values(
     except ScatterError as error:
         return {}, str(error)
     reasons: list[str] = []
-    values = met(_valid(stored, reasons), surface, context, reasons)
+    values = without_missing(_valid(stored, reasons), surface, context, reasons)
     return values, left_out_note("; ".join(reasons)) if reasons else ""
 
 
 def left_out_note(reasons: str) -> str:
     """What is said where not all of the Default preset fits."""
-    return reported(
+    return translated_report(
         "Preset '{name}' does not fit here, skipped: {reasons}",
         name=presets.DEFAULT,
         reasons=reasons,
     )
 
 
-def less_and_less(
+def fallbacks(
     preset: presets.Values, chosen: dict[str, Any]
 ) -> Iterator[tuple[presets.Values, str]]:
     """Values of a preset without more and more of them, and what they are without."""
@@ -54,11 +54,11 @@ def less_and_less(
     if presets.CLASSES in even:
         even[presets.CLASSES] = [{**own, "density": ""} for own in even[presets.CLASSES]]
     if "attach_to" in preset.get("", {}) and "attach_to" not in chosen:
-        yield {**preset, "": bound}, reported("attachment")
+        yield {**preset, "": bound}, translated_report("attachment")
     if even != preset:
-        yield even, reported("density")
-        yield {**even, "": bound}, reported("attachment and density")
-    yield {}, reported("all settings")
+        yield even, translated_report("density")
+        yield {**even, "": bound}, translated_report("attachment and density")
+    yield {}, translated_report("all settings")
 
 
 def _valid(values: presets.Values, reasons: list[str]) -> presets.Values:
@@ -82,7 +82,7 @@ def _fitting(stored: dict[str, Any], known: Any, reasons: list[str]) -> dict[str
     return found
 
 
-def met(
+def without_missing(
     values: presets.Values,
     surface: bpy.types.Object,
     context: bpy.types.Context,
@@ -90,16 +90,16 @@ def met(
 ) -> presets.Values:
     """The values without what densities ask of this surface and scene that is not there."""
     density = dict(values.get("density", {}))
-    asked: dict[str, Callable[[bpy.types.Mesh], Any]] = {
+    checks: dict[str, Callable[[bpy.types.Mesh], Any]] = {
         "attribute": lambda mesh: read_weights(surface, mesh, density["attribute"]),
         "blocked_areas": lambda mesh: read_weights(surface, mesh, density["blocked_areas"]),
-        "use_camera": lambda _: check_camera(context.scene),
+        "use_camera_view": lambda _: check_camera(context.scene),
         "uv_map": lambda mesh: uv_layer(surface, mesh, density["uv_map"]),
     }
-    for name in [name for name in asked if density.get(name)]:
+    for name in [name for name in checks if density.get(name)]:
         try:
             with evaluated_mesh(surface, context.evaluated_depsgraph_get()) as mesh:
-                asked[name](mesh)
+                checks[name](mesh)
         except ScatterError as error:
             del density[name]
             reasons.append(str(error))

@@ -6,9 +6,9 @@ from bpy.props import StringProperty
 
 from ...core.settings import presets
 from ..base.handlers import Subscriber
-from ..base.panel_values import Prepared
+from ..base.panel_values import CachedValue
 from ..base.step_operators import OPTIONS, AllOrNothing, Status
-from ..base.translation import told
+from ..base.translation import translated
 from ..scatter.object import is_scatter
 from ..surface.polls import writable
 from .stored import apply, folder, values_of
@@ -98,7 +98,7 @@ def draw_presets(row: bpy.types.UILayout) -> None:
 def draw_removal(layout: bpy.types.UILayout) -> None:
     """A button for each preset that removes it."""
     for name in PRESETS.of():
-        text = told("Remove '{name}'", name=name)
+        text = translated("Remove '{name}'", name=name)
         remove = layout.operator(DAPPLE_OT_remove_preset.bl_idname, text=text, icon="TRASH")
         remove.name = name
 
@@ -107,7 +107,7 @@ def _presets(_: None) -> tuple[str, ...]:
     return tuple(presets.names(folder()))
 
 
-PRESETS = Prepared(_presets, ())  # names
+PRESETS = CachedValue(_presets, ())  # names
 
 
 def _know_names() -> None:

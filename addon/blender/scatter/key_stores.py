@@ -10,12 +10,12 @@ from ...core.bake.keys import Baked, wrong_index
 from ...core.base.errors import ScatterError
 from ...core.surface.arrays import Floats, Ints
 from ...core.surface.records import (
+    CLEARANCE_ATTRIBUTES,
+    FADE_ATTRIBUTES,
     FRAME_ATTRIBUTES,
-    GONE_ATTRIBUTES,
     KEY_ATTRIBUTES,
-    LEAN_ATTRIBUTES,
     REST_TRIANGLE_ATTRIBUTES,
-    ROOM_ATTRIBUTES,
+    TILT_ATTRIBUTES,
     TRIANGLE_ATTRIBUTES,
     Columns,
 )
@@ -89,7 +89,7 @@ def read_baked(obj: bpy.types.Object) -> Baked:
 def key_types(there: Container[str]) -> dict[str, str]:
     """Columns of keys, as far as a bake has them: not every one has births, leaning and rooms."""
     types = dict(KEY_ATTRIBUTES)
-    for own in (GONE_ATTRIBUTES, LEAN_ATTRIBUTES, ROOM_ATTRIBUTES):
+    for own in (FADE_ATTRIBUTES, TILT_ATTRIBUTES, CLEARANCE_ATTRIBUTES):
         types |= {name: kind for name, kind in own.items() if name in there}
     return types
 

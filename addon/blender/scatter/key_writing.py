@@ -11,8 +11,8 @@ from ...core.solve.solve import Report
 from ...core.solve.stale import settings_text
 from ...core.surface.records import (
     ADDED_ATTRIBUTES,
+    FADE_ATTRIBUTES,
     FRAME_ATTRIBUTES,
-    GONE_ATTRIBUTES,
     POINT_ATTRIBUTES,
     ROW_ATTRIBUTES,
 )
@@ -21,7 +21,7 @@ from ...nodes import has_input, set_input
 from ..base.all_or_nothing import once_done
 from ..base.mesh_arrays import read_columns, read_points, to_local, write_columns
 from .key_stores import STORES, key_types, new_store, stores_of, triangle_types
-from .library import own_mesh
+from .linked_data import own_mesh
 from .modifier import ensure_modifier, scatter_modifier, write_surface_inputs, write_warning
 from .object import bake_settings_of, copy_report, write_report
 from .points import own_points
@@ -112,8 +112,8 @@ def add_points(obj: bpy.types.Object, born: Born) -> None:
     mesh.vertices.foreach_set("co", places.astype(np.float32).ravel())
     after = {**born.binding.rows(), **born.columns}
     joined = {name: np.concatenate([values, after[name]]) for name, values in before.items()}
-    joined["dapple_gone"] = np.repeat([0.0, 1.0], [count, len(born.positions)])
-    write_columns(mesh, joined, {**types, **GONE_ATTRIBUTES})
+    joined["dapple_faded"] = np.repeat([0.0, 1.0], [count, len(born.positions)])
+    write_columns(mesh, joined, {**types, **FADE_ATTRIBUTES})
     mesh.update()
 
 

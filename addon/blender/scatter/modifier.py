@@ -104,8 +104,8 @@ def write_instance_inputs(obj: bpy.types.Object) -> None:
         return
     if _lacks_inputs(obj, modifier):
         _exchange_group(obj, modifier)
-    for tied in tied_inputs(obj, modifier):
-        set_input(modifier, tied.name, tied.value())
+    for linked in linked_inputs(obj, modifier):
+        set_input(modifier, linked.name, linked.value())
     for index, kind in _kinds(obj):
         if has_input(modifier, input_name(_WEIGHTS, index)):
             set_input(modifier, input_name(_WEIGHTS, index), weights_text(kind))
@@ -145,7 +145,7 @@ def property_name(label: str) -> str:
 
 
 @dataclass(frozen=True)
-class Tied:
+class LinkedInput:
     """An input of the node group that shows a property of the panel."""
 
     name: str
@@ -161,16 +161,17 @@ class Tied:
         setattr(self.owner, self.property, _from_input(self.property, value))
 
 
-def tied_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> list[Tied]:
+def linked_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> list[LinkedInput]:
     """All that the node group has."""
     found = [
-        Tied("Hidden", obj.dapple, "viewport_share"),
-        Tied("Display", obj.dapple, "display_as"),
+        LinkedInput("Hidden", obj.dapple, "viewport_share"),
+        LinkedInput("Display", obj.dapple, "display_as"),
     ]
-    found += [Tied(name, obj.dapple, property_name(name)) for name, _ in DETAIL_INPUTS]
+    found += [LinkedInput(name, obj.dapple, property_name(name)) for name, _ in DETAIL_INPUTS]
     for index, kind in _kinds(obj):
         found += [
-            Tied(input_name(name, index), kind, property_name(name)) for name, _ in INSTANCE_INPUTS
+            LinkedInput(input_name(name, index), kind, property_name(name))
+            for name, _ in INSTANCE_INPUTS
         ]
     return [one for one in found if has_input(modifier, one.name)]
 

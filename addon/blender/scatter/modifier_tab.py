@@ -13,8 +13,8 @@ import bpy
 from ...nodes import get_input
 from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
-from .library import read_only
-from .modifier import scatter_modifier, tied_inputs
+from .linked_data import read_only
+from .modifier import linked_inputs, scatter_modifier
 from .object import is_scatter
 
 _SINGLE = 1e-6  # relative precision of Blender's numbers
@@ -34,16 +34,16 @@ def _take_over(obj: bpy.types.Object) -> None:
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
-    found = [(tied, get_input(modifier, tied.name)) for tied in tied_inputs(obj, modifier)]
+    found = [(linked, get_input(modifier, linked.name)) for linked in linked_inputs(obj, modifier)]
     before = _known.get(obj.session_uid, {})
-    _known[obj.session_uid] = {tied.name: _remembered(value) for tied, value in found}
+    _known[obj.session_uid] = {linked.name: _remembered(value) for linked, value in found}
     if read_only(obj):
         return
-    for tied, value in found:
+    for linked, value in found:
         now = _remembered(value)
-        edited = not _same(before.get(tied.name, now), now)
-        if edited and not _same(_remembered(tied.value()), now):
-            tied.take_over(value)
+        edited = not _same(before.get(linked.name, now), now)
+        if edited and not _same(_remembered(linked.value()), now):
+            linked.take_over(value)
 
 
 def _remembered(value: Any) -> Any:

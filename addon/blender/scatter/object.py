@@ -20,7 +20,7 @@ from ...core.solve.class_counts import largest_scale
 from ...core.solve.solve import Report
 from ...core.solve.stale import changed_baking, changed_settings
 from ...core.surface.records import SCHEMA_KEY
-from ..base.translation import Say, label_of, told
+from ..base.translation import Translate, label_of, translated
 
 # Fields of the core's settings and their properties.
 _PROPERTIES = {setting.field_name: setting.name for setting in SCATTER}
@@ -74,11 +74,11 @@ def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
 
 def is_automatic(obj: bpy.types.Object) -> bool:
     """Whether a scatter follows changes by itself: as the artist says, or as it is quick."""
-    chosen = obj.dapple.auto_update_choice
+    chosen = obj.dapple.auto_update_mode
     return bool(chosen == "ON" or (chosen != "OFF" and obj.dapple.report.milliseconds < _QUICK))
 
 
-def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
+def settings_reason(obj: bpy.types.Object, translate: Translate = translated) -> str:
     """Which settings are not those that the result was solved with; empty when all are."""
     if not obj.dapple.solved_settings:
         return ""
@@ -87,33 +87,33 @@ def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
         names += changed_baking(obj.dapple.baked_settings, bake_settings_of(obj))
     if obj.dapple.attach_to not in ("AUTO", obj.dapple.attached_to):
         names.append("attach_to")
-    return solve_again(obj, settings_changed(names, say), say) if names else ""
+    return solve_again(obj, settings_changed(names, translate), translate) if names else ""
 
 
-def settings_changed(names: list[str], say: Say = told) -> str:
+def settings_changed(names: list[str], translate: Translate = translated) -> str:
     """That settings of these names were changed, as the panel calls them."""
     known = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
-    listed = ", ".join(label_of(known[_PROPERTIES.get(name, name)], say) for name in names)
-    return say("Settings were changed ({names})", names=listed)
+    listed = ", ".join(label_of(known[_PROPERTIES.get(name, name)], translate) for name in names)
+    return translate("Settings were changed ({names})", names=listed)
 
 
-def rest_note(obj: bpy.types.Object, say: Say = told) -> str:
+def rest_note(obj: bpy.types.Object, translate: Translate = translated) -> str:
     """That points hold on to the rest position by themselves, and why; empty where not."""
     surface, chosen = obj.dapple.surface, obj.dapple.attach_to
     if surface is None or chosen != "AUTO" or obj.dapple.attached_to != "REST":
         return ""
     if is_fluid(surface):
-        return say("Metaballs change their faces: points are attached to the nearest places")
-    return say(
+        return translate("Metaballs change their faces: points are attached to the nearest places")
+    return translate(
         "Viewport and renders have different faces: points are attached to the rest position"
     )
 
 
-def solve_again(obj: bpy.types.Object, reason: str, say: Say = told) -> str:
+def solve_again(obj: bpy.types.Object, reason: str, translate: Translate = translated) -> str:
     """A reason why a result does not fit, and what makes one that does."""
     if obj.dapple.baked_keys:
-        return say("{reason}: bake again", reason=reason)
-    return say("{reason}: optimize again", reason=reason)
+        return translate("{reason}: bake again", reason=reason)
+    return translate("{reason}: optimize again", reason=reason)
 
 
 def settings_of(obj: bpy.types.Object) -> Settings:
@@ -144,7 +144,7 @@ def follows_masks(obj: bpy.types.Object) -> bool:
         one_by_one = not len(settings.object_types)
     else:
         one_by_one = settings.smoothing == "FORWARD"
-    return bool(settings.masks_over_time == "EACH_FRAME" and one_by_one)
+    return bool(settings.masks == "EACH_FRAME" and one_by_one)
 
 
 def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
@@ -170,14 +170,14 @@ def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
 
 
 def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:
-    names = {field.name for field in fields(ClassSettings)} - {"most_room", "shrinks"}
-    values = {name: getattr(kind, name) for name in names} | {"most_room": _most_room(kind)}
+    names = {field.name for field in fields(ClassSettings)} - {"max_clearance", "shrinks"}
+    values = {name: getattr(kind, name) for name in names} | {"max_clearance": _max_clearance(kind)}
     values["shrinks"] = kind.radius_from_bounds and kind.fit_to_spacing == 1.0
     values |= {"weight": 0.0} if kind.use_count else {"count": 0}
     return ClassSettings(**values)
 
 
-def _most_room(kind: bpy.types.PropertyGroup) -> float:
+def _max_clearance(kind: bpy.types.PropertyGroup) -> float:
     """That instances are fitted to before they are scaled; the radius of bounds is scaled."""
     scale = scale_of(kind) if kind.radius_from_bounds else 1.0
     return float(kind.radius / scale) if scale > 0.0 else 0.0

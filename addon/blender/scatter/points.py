@@ -9,12 +9,12 @@ from ...core.solve.locked import Locked
 from ...core.solve.solve import with_own_ids
 from ...core.surface.arrays import Floats
 from ...core.surface.records import (
-    GONE_ATTRIBUTES,
+    EDITED_KEY,
+    FADE_ATTRIBUTES,
     POINT_ATTRIBUTES,
     REST_ATTRIBUTES,
     RESULT_KEY,
     ROW_ATTRIBUTES,
-    TOUCHED_KEY,
     TRIANGLE_ATTRIBUTES,
     Binding,
     Columns,
@@ -28,7 +28,7 @@ from ...core.surface.records import (
 from ...core.surface.rest import AtRest
 from ...core.surface.sources import digest_of
 from ..base.mesh_arrays import read_columns, read_points, to_world
-from .library import own_mesh
+from .linked_data import own_mesh
 
 # What check_binding looks at, which knows points that were added by hand, and the surface.
 _BOUND = {*TRIANGLE_ATTRIBUTES, "dapple_barycentric"}
@@ -36,9 +36,9 @@ _BOUND = {*TRIANGLE_ATTRIBUTES, "dapple_barycentric"}
 
 def own_points(obj: bpy.types.Object) -> NDArray[np.bool_]:
     """Per point whether it was optimized, not added by a bake with births."""
-    if "dapple_gone" not in obj.data.attributes:
+    if "dapple_faded" not in obj.data.attributes:
         return np.ones(len(obj.data.vertices), dtype=bool)
-    return read_columns(obj.data, GONE_ATTRIBUTES)["dapple_gone"] < 0.5
+    return read_columns(obj.data, FADE_ATTRIBUTES)["dapple_faded"] < 0.5
 
 
 def own_columns(obj: bpy.types.Object, types: dict[str, str]) -> Columns:
@@ -109,21 +109,21 @@ def read_at_rest(obj: bpy.types.Object) -> AtRest:
     return AtRest(own_columns(obj, REST_ATTRIBUTES), obj.dapple.attached_parts)
 
 
-def touched_places(obj: bpy.types.Object) -> Floats | None:
+def edited_places(obj: bpy.types.Object) -> Floats | None:
     """Places (k, 3) in the surface's own space; None where all points are even."""
-    stored = obj.data.get(TOUCHED_KEY)
+    stored = obj.data.get(EDITED_KEY)
     return None if stored is None else np.array(stored, dtype=np.float64).reshape(-1, 3)
 
 
-def add_touched(obj: bpy.types.Object, places: Floats) -> None:
+def add_edited(obj: bpy.types.Object, places: Floats) -> None:
     """Keep more of them."""
-    before = touched_places(obj)
+    before = edited_places(obj)
     joined = places if before is None else np.concatenate([before, places])
     if len(joined):
-        own_mesh(obj)[TOUCHED_KEY] = joined.ravel().tolist()
+        own_mesh(obj)[EDITED_KEY] = joined.ravel().tolist()
 
 
-def forget_touched(obj: bpy.types.Object) -> None:
+def forget_edited(obj: bpy.types.Object) -> None:
     """The points are even around all of them."""
-    if TOUCHED_KEY in obj.data:
-        del own_mesh(obj)[TOUCHED_KEY]
+    if EDITED_KEY in obj.data:
+        del own_mesh(obj)[EDITED_KEY]

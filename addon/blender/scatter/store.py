@@ -20,10 +20,10 @@ from ...core.surface.rest import AtRest
 from ...core.surface.sources import on_faces, sources_of
 from ..base.mesh_arrays import to_local, write_columns, write_points
 from .key_writing import clear_keys
-from .library import own_mesh
+from .linked_data import own_mesh
 from .modifier import ensure_modifier, write_inputs, write_warning
 from .object import write_report
-from .points import forget_touched, write_digest
+from .points import forget_edited, write_digest
 
 
 def new_scatter(
@@ -49,7 +49,7 @@ def write_scattered(
     write_points(mesh, places)
     write_columns(mesh, solved.columns, {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES})
     mesh[SCHEMA_KEY] = SCHEMA
-    forget_touched(obj)
+    forget_edited(obj)
     obj.dapple.solved_settings = settings_text(solved.settings)
     obj.dapple.solved_from = sources_of(arrays, solved.settings, solved.capacity).text()
     obj.dapple.locked_count = int(solved.columns["dapple_locked"].sum())

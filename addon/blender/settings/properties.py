@@ -15,7 +15,7 @@ from ...core.settings.solver_options import CUSTOM, QUALITIES
 from ...core.settings.tables import BOUND_TO, GROUPS
 from ...nodes import GROUP_NAME
 from ..base.translation import OWN
-from .making import STILL, DAPPLE_PG_material, with_settings
+from .declarations import STILL, DAPPLE_PG_material, with_settings
 from .property_groups import (
     DAPPLE_PG_density,
     DAPPLE_PG_joined,
@@ -26,7 +26,7 @@ from .property_groups import (
     DAPPLE_PG_tiles,
     DAPPLE_PG_weight,
 )
-from .updates import follow_by_itself, follows_by_itself, quality_chosen, quality_shown
+from .updates import get_auto_update, get_quality, set_auto_update, set_quality
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
 
@@ -42,8 +42,8 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         "second",
         options=STILL,
         translation_context=OWN,
-        get=follows_by_itself,
-        set=follow_by_itself,
+        get=get_auto_update,
+        set=set_auto_update,
     )
     quality: EnumProperty(
         name="Quality",
@@ -51,8 +51,8 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         items=[(*one, number) for number, one in enumerate((*QUALITIES, CUSTOM))],
         options=STILL,
         translation_context=OWN,
-        get=quality_shown,
-        set=quality_chosen,
+        get=get_quality,
+        set=set_quality,
     )
     weights: CollectionProperty(
         name="Weights",

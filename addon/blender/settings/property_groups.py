@@ -18,7 +18,7 @@ from bpy.props import (
 from ...core.settings.density_table import SHOWN_TERMS
 from ...core.settings.tables import GROUPS
 from ..base.translation import OWN
-from .making import STILL, with_settings
+from .declarations import STILL, with_settings
 from .updates import weight_changed
 
 _SHARE: dict[str, Any] = {"min": 0.0, "soft_max": 1.0, "subtype": "FACTOR"}

@@ -70,25 +70,25 @@ def _renew_radius(settings: bpy.types.PropertyGroup) -> None:
         follow_bounds(settings, bpy.context.evaluated_depsgraph_get())
 
 
-def follows_by_itself(settings: bpy.types.PropertyGroup) -> bool:
+def get_auto_update(settings: bpy.types.PropertyGroup) -> bool:
     """What Auto Update shows."""
     return is_automatic(settings.id_data)
 
 
-def follow_by_itself(settings: bpy.types.PropertyGroup, value: bool) -> None:
+def set_auto_update(settings: bpy.types.PropertyGroup, value: bool) -> None:
     """Auto Update is what the artist says from now on."""
-    settings.auto_update_choice = "ON" if value else "OFF"
+    settings.auto_update_mode = "ON" if value else "OFF"
     for follow in followers:
         follow(settings.id_data)
 
 
-def quality_shown(settings: bpy.types.PropertyGroup) -> int:
+def get_quality(settings: bpy.types.PropertyGroup) -> int:
     """What Quality shows: the preset that the settings are those of."""
     names = [name for name, *_ in (*QUALITIES, CUSTOM)]
     return names.index(quality_of({one.name: getattr(settings, one.name) for one in EVENNESS}))
 
 
-def quality_chosen(settings: bpy.types.PropertyGroup, number: int) -> None:
+def set_quality(settings: bpy.types.PropertyGroup, number: int) -> None:
     """The settings become those of the preset; those of no preset stay as they are."""
     if number < len(QUALITIES):
         for name, value in quality_settings(QUALITIES[number][0]).items():

@@ -21,22 +21,22 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from ...core.base.schedule import Schedule
-from ..base import artist, renders, step_operators
-from ..base.artist import is_operated
+from ..base import renders, step_operators, user_activity
 from ..base.handlers import Evaluation, Subscriber
 from ..base.jobs import Job
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.quiet import is_quiet
 from ..base.sidebars import redraw
 from ..base.step_operators import is_under_way
 from ..base.timers import call_in
+from ..base.user_activity import is_operated
 from ..display import preview
 from .changes import NOBODY, Cause, Changes, follows, scatters
 from .optimize import optimize_steps
 
 _POLL = 0.005  # seconds between two checks of a worker
 _PART = 0.01  # seconds that one call may take, during which the artist waits
-_HELD = 0.1  # seconds between two checks whether the file is free again
+_BLOCKED_PAUSE = 0.1  # seconds between two checks whether the file is free again
 _TOOL = 0.02  # the same while the artist uses a tool and waits for the result
 
 enabled = not bpy.app.background
@@ -54,18 +54,20 @@ class _Request:
 class _Update:
     """A scatter that is being solved."""
 
-    scatter: Held
+    scatter: ObjectHandle
     cause: Cause  # the scatter itself and the scatters that caused its update
     request: _Request | None  # None: the update follows a change
     job: Job = field(init=False)
     shown: int = -1  # percent shown by the panel
 
     def __post_init__(self) -> None:
-        asked, deletes_keyframes = (
+        requested, deletes_keyframes = (
             self.request is not None,
             self.request is not None and self.request.deletes_keyframes,
         )
-        steps = optimize_steps(self.scatter, asked=asked, deletes_keyframes=deletes_keyframes)
+        steps = optimize_steps(
+            self.scatter, requested=requested, deletes_keyframes=deletes_keyframes
+        )
         self.job = Job("Optimize", steps, self._done, self._failed, self._stopped, whole=False)
 
     def writes(self) -> dict[int, Cause]:
@@ -82,7 +84,7 @@ class _Update:
             _state.changes.wait_for_frame(self.scatter.get())
             return ""
         _state.changes.wrote(self.writes())
-        follow_up(self.scatter.get())
+        restart_preview(self.scatter.get())
         return self.request.step if self.request else ""
 
     def _failed(self, why: str) -> None:
@@ -105,7 +107,9 @@ class _State:
     caused: dict[int, Cause] = field(default_factory=dict)  # why each scheduled scatter is updated
     # Reasons why scatters could not be solved.
     failures: dict[int, str] = field(default_factory=dict)
-    asked: dict[int, _Request] = field(default_factory=dict)  # requested solutions from the seed
+    requested: dict[int, _Request] = field(
+        default_factory=dict
+    )  # requested solutions from the seed
 
 
 _state = _State()
@@ -132,28 +136,28 @@ def touch(obj: bpy.types.Object) -> None:
         _wake()
 
 
-def ask(obj: bpy.types.Object, step: str = "Optimize") -> None:
+def request(obj: bpy.types.Object, step: str = "Optimize") -> None:
     """Solve a scatter from its seed, as Optimize does, in place of what is done for it now.
 
     It is an undo step of that name. Its keys may go only if it has some by now.
     """
     forget(obj)
     _change(obj.session_uid)
-    _state.asked[obj.session_uid] = _Request(step, obj.dapple.baked_keys > 0)
+    _state.requested[obj.session_uid] = _Request(step, obj.dapple.baked_keys > 0)
     _state.schedule.hurry(obj.session_uid)
     _state.changes.relink()
     _wake()
     redraw()
 
 
-def is_asked(obj: bpy.types.Object) -> bool:
+def is_requested(obj: bpy.types.Object) -> bool:
     """Whether a solution of a scatter from its seed is running or pending."""
-    return obj.session_uid in _state.asked
+    return obj.session_uid in _state.requested
 
 
 def forget(obj: bpy.types.Object) -> None:
     """Discard a pending or running update of a scatter, which was solved in another way."""
-    _state.asked.pop(obj.session_uid, None)
+    _state.requested.pop(obj.session_uid, None)
     _state.schedule.forget(obj.session_uid)
     if _state.update is not None and _state.update.scatter.uid == obj.session_uid:
         _give_up()
@@ -161,7 +165,7 @@ def forget(obj: bpy.types.Object) -> None:
 
 def cancel() -> None:
     """Cancel all updates until the next change."""
-    _state.asked.clear()
+    _state.requested.clear()
     _state.schedule.clear()
     _give_up()
     redraw()
@@ -184,21 +188,21 @@ def is_active() -> bool:
 
 def tick() -> float | None:
     """Continue the work; returns seconds until the next call, None to end."""
-    wait = _look()
+    wait = _check()
     return 0.0 if _state.changes.any_noted() else wait
 
 
-def _look() -> float | None:
-    _state.changes.look_for_end()
-    if is_held():
-        _spread()
-        _step_aside()
+def _check() -> float | None:
+    _state.changes.note_operator_end()
+    if is_blocked():
+        _schedule_changed()
+        _pause()
         waits = is_active() or _state.changes.wait() is not None
-        return (_TOOL if _state.changes.used_tool else _HELD) if waits else None
+        return (_TOOL if _state.changes.used_tool else _BLOCKED_PAUSE) if waits else None
     if enabled and _state.update is None:
-        _state.changes.glance()
-    _spread()
-    if _state.changes.take_end():
+        _state.changes.check_images()
+    _schedule_changed()
+    if _state.changes.take_operator_end():
         _state.schedule.settle()
     if _state.update is None:
         _begin()
@@ -206,30 +210,30 @@ def _look() -> float | None:
         _go_on(_state.update)
     if _state.update is not None:
         return _POLL if _state.update.job.waits else 0.0
-    return _rest()
+    return _idle_time()
 
 
-def _rest() -> float | None:
+def _idle_time() -> float | None:
     """Seconds until there may be work."""
     tool = _TOOL if _state.changes.used_tool and _state.schedule else None
     waits = [_state.schedule.wait(), _state.changes.wait(), tool]
     return min((one for one in waits if one is not None), default=None)
 
 
-def _spread() -> None:
+def _schedule_changed() -> None:
     """Schedule the scatters that depend on changed data."""
     writes = _state.update.writes() if _state.update is not None else {}
     for uid, cause in _state.changes.changed_scatters(writes):
         _change(uid, cause)
     there = _state.changes.known_scatters()
-    for uid in _state.asked.keys() - there:  # an undo may have removed them
-        del _state.asked[uid]
+    for uid in _state.requested.keys() - there:  # an undo may have removed them
+        del _state.requested[uid]
     if _state.update is not None and _state.update.scatter.uid not in there:
         _give_up()
 
 
 def _change(uid: int, cause: Cause = NOBODY) -> None:
-    _state.changes.turn_to(uid)
+    _state.changes.start_update(uid)
     _state.failures.pop(uid, None)
     _state.caused[uid] = cause
     _state.schedule.change(uid)
@@ -242,13 +246,13 @@ def _begin() -> None:
     obj = next((one for one in scatters() if one.session_uid == uid), None)
     if obj is None:
         return
-    held = Held(obj)
-    request = _state.asked.get(held.uid)
+    handle = ObjectHandle(obj)
+    request = _state.requested.get(handle.uid)
     if request is not None or follows(obj):
-        cause = _state.caused.pop(held.uid, NOBODY) | {held.uid}
-        _state.update = _Update(held, cause, request)
+        cause = _state.caused.pop(handle.uid, NOBODY) | {handle.uid}
+        _state.update = _Update(handle, cause, request)
     else:
-        _state.changes.pass_over(held.uid)
+        _state.changes.skip(handle.uid)
 
 
 def _go_on(update: _Update) -> None:
@@ -263,7 +267,7 @@ def _go_on(update: _Update) -> None:
 
 def _end(update: _Update) -> None:
     _state.update = None
-    _state.asked.pop(update.scatter.uid, None)
+    _state.requested.pop(update.scatter.uid, None)
 
 
 def _give_up() -> None:
@@ -302,7 +306,7 @@ def _frame_changed(evaluation: Evaluation) -> None:
 def _undone() -> None:
     """An undo may have changed anything."""
     if enabled:
-        _state.changes.doubt_all()
+        _state.changes.mark_all()
         _give_up()
         _wake()
 
@@ -313,7 +317,7 @@ def reset(clock: Callable[[], float] = time.monotonic) -> None:
     vars(_state).update(vars(_State(Schedule(clock))))
 
 
-def _step_aside() -> None:
+def _pause() -> None:
     """Leave the file to an operator; while the animation plays the worker may go on."""
     if _state.update is not None and is_under_way():
         _state.update.job.cancel()
@@ -329,16 +333,16 @@ SUBSCRIBER = Subscriber(
 )
 
 
-def follow_up(obj: bpy.types.Object) -> None:
+def restart_preview(obj: bpy.types.Object) -> None:
     """Restart the live preview from the new points."""
-    preview.solved_anew(obj)
+    preview.restart(obj)
 
 
-def is_held() -> bool:
+def is_blocked() -> bool:
     """Whether Blender renders, plays, paints a stroke, or an operator of the add-on works."""
     return (
         renders.busy()
         or step_operators.is_under_way()
-        or artist.is_playing()
-        or artist.is_painting()
+        or user_activity.is_playing()
+        or user_activity.is_painting()
     )

@@ -14,12 +14,12 @@ from typing import Any
 import bpy
 
 from ...core.base.native import missing
-from ..base.artist import is_using_tool, last_operator
 from ..base.handlers import Evaluation
 from ..base.times import time_of
-from ..freshness.contents import solved_time
+from ..base.user_activity import is_using_tool, last_operator
+from ..freshness.content_changes import solved_time
 from ..freshness.scene_snapshot import AROUND, SURFACE, VALUES, depends_on
-from ..scatter.library import is_in_view_layer, read_only
+from ..scatter.linked_data import is_in_view_layer, read_only
 from ..scatter.object import is_automatic, is_scatter
 from ..surface.images import picture_digest
 from ..surface.joined_parts import collections_of
@@ -28,8 +28,8 @@ from ..surface.surroundings import picture_of
 Cause = frozenset[int]  # session_uids of scatters
 NOBODY: Cause = frozenset()
 _READ = {SURFACE, VALUES, AROUND}  # parts of the scene that a solution depends on
-GLANCE = 1.0  # seconds between two checks of images
-RARELY = 20.0  # smallest ratio of the pause between checks to their duration
+IMAGE_PAUSE = 1.0  # seconds between two checks of images
+IMAGE_PATIENCE = 20.0  # smallest ratio of the pause between checks to their duration
 
 
 @dataclass
@@ -38,13 +38,13 @@ class Pictures:
 
     _seen: dict[int, tuple[Any, str]] = field(default_factory=dict)  # by session_uid: what is
     # quickly compared, and the digest
-    _glanced: float = 0.0  # when, by the monotonic clock
+    _images_checked: float = 0.0  # when, by the monotonic clock
     _took: float = 0.0  # seconds
 
     def wait(self) -> float:
         """Seconds until the next check."""
-        pause = max(GLANCE, RARELY * self._took)
-        return max(pause - (time.monotonic() - self._glanced), 0.0)
+        pause = max(IMAGE_PAUSE, IMAGE_PATIENCE * self._took)
+        return max(pause - (time.monotonic() - self._images_checked), 0.0)
 
     def changed(self, images: list[bpy.types.Image]) -> set[int]:
         """The session_uids of images whose pixels changed since the last check."""
@@ -52,8 +52,8 @@ class Pictures:
             return set()
         begin = time.monotonic()
         found = {image.session_uid for image in images if self._is_other(image)}
-        self._glanced = time.monotonic()
-        self._took = self._glanced - begin
+        self._images_checked = time.monotonic()
+        self._took = self._images_checked - begin
         return found
 
     def _is_other(self, image: bpy.types.Image) -> bool:
@@ -75,9 +75,9 @@ class Changes:
     _images: set[int] = field(default_factory=set)  # images in use
     _pictures: Pictures = field(default_factory=Pictures)
     _relinked: bool = True  # whether dependencies must be looked up again
-    _doubtful: set[int] = field(default_factory=set)  # scatters whose dependencies changed
-    _all_doubtful: bool = False
-    _passed_over: set[int] = field(default_factory=set)  # scatters that did not follow a change
+    _outdated: set[int] = field(default_factory=set)  # scatters whose dependencies changed
+    _mark_all: bool = False
+    _skipped: set[int] = field(default_factory=set)  # scatters that did not follow a change
     # Scatters that wait for a frame, and the time at which they were solved.
     _waiting: dict[int, float] = field(default_factory=dict)
     # Data written by updates, with their causes.
@@ -100,12 +100,12 @@ class Changes:
         self._ended |= self.any_noted() and before != self._last_operator
         return self.any_noted()
 
-    def look_for_end(self) -> None:
+    def note_operator_end(self) -> None:
         """Note whether the artist has just finished using a tool."""
         before, self.used_tool = self.used_tool, is_using_tool()
         self._ended |= before and not self.used_tool
 
-    def take_end(self) -> bool:
+    def take_operator_end(self) -> bool:
         """Whether what has changed something has ended since the last time, so that it changes no
         more.
         """
@@ -120,17 +120,17 @@ class Changes:
         """Look up the dependencies of scatters again."""
         self._relinked = True
 
-    def doubt_all(self) -> None:
+    def mark_all(self) -> None:
         """An undo may have changed anything."""
-        self._all_doubtful = self._relinked = True
+        self._mark_all = self._relinked = True
 
-    def pass_over(self, uid: int) -> None:
+    def skip(self, uid: int) -> None:
         """A scatter does not follow a change; it is considered again at its next change."""
-        self._passed_over.add(uid)
+        self._skipped.add(uid)
 
-    def turn_to(self, uid: int) -> None:
+    def start_update(self, uid: int) -> None:
         """A scatter is to be updated."""
-        self._passed_over.discard(uid)
+        self._skipped.discard(uid)
         self._waiting.pop(uid, None)
 
     def wait_for_frame(self, obj: bpy.types.Object) -> None:
@@ -142,7 +142,7 @@ class Changes:
     def note_frame(self, scene: bpy.types.Scene) -> bool:
         """Note the current frame; returns whether a scatter has waited for it."""
         shown = {uid for uid, time in self._waiting.items() if time == time_of(scene)}
-        self._passed_over |= shown
+        self._skipped |= shown
         self._touched |= shown
         return bool(shown)
 
@@ -150,7 +150,7 @@ class Changes:
         """Note data that an update has written."""
         self._wrote |= written
 
-    def glance(self) -> None:
+    def check_images(self) -> None:
         """Check whether images in use were painted, for which Blender has no handler."""
         if self._images:
             watched = [one for one in bpy.data.images if one.session_uid in self._images]
@@ -162,17 +162,17 @@ class Changes:
 
     def changed_scatters(self, being_written: Mapping[int, Cause]) -> list[tuple[int, Cause]]:
         """Scatters that depend on changes since the last call, each with its cause."""
-        touched, self._touched = self._touched, set()
-        causes = {uid: self._wrote.pop(uid) for uid in touched & self._wrote.keys()}
+        edited, self._touched = self._touched, set()
+        causes = {uid: self._wrote.pop(uid) for uid in edited & self._wrote.keys()}
         causes |= being_written
         found = []
         for uid, depends in self._looked_up().items():
-            because = {causes.get(block, NOBODY) for block in touched if block in depends}
-            if self._all_doubtful or uid in self._doubtful or uid in touched & self._passed_over:
+            because = {causes.get(block, NOBODY) for block in edited if block in depends}
+            if self._mark_all or uid in self._outdated or uid in edited & self._skipped:
                 because.add(NOBODY)
             found += [(uid, cause) for cause in because if uid not in cause]
-        self._all_doubtful = False
-        self._doubtful.clear()
+        self._mark_all = False
+        self._outdated.clear()
         return found
 
     def known_scatters(self) -> set[int]:
@@ -187,7 +187,7 @@ class Changes:
             self._depends = {obj.session_uid: dependencies(obj) for obj in scatters()}
             densities = [obj.dapple.density for obj in scatters() if follows(obj)]
             self._images = {one.image.session_uid for one in densities if one.image is not None}
-            self._doubtful |= {
+            self._outdated |= {
                 uid for uid, now in self._depends.items() if now != before.get(uid, now)
             }
         return self._depends
@@ -220,7 +220,7 @@ def dependencies(obj: bpy.types.Object) -> set[Hashable]:
         uid for uid, parts in depends_on(obj, scene).items() if _READ & set(parts)
     }
     found.discard(scene.session_uid)
-    if density.use_camera:
+    if density.use_camera_view:
         found.add(picture_of(scene))
     for one in filter(None, (density.avoid_collection, density.distance_collection)):
         found -= {block.session_uid for block in (one, *one.children_recursive)}

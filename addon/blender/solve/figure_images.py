@@ -12,14 +12,14 @@ from ...core import pictures
 from ...core.settings.values import Settings
 from ...core.solve.figures import Details, details_from
 from ...core.surface.arrays import Floats
-from ..base.panel_values import Prepared
+from ..base.panel_values import CachedValue
 from ..scatter.object import settings_of
 
 _POINTS = 120  # of the pattern that settings make
 _MOST = 32  # pictures that are kept
 
 
-class _Kept:
+class _IconCache:
     """The pictures, by what they show."""
 
     icons: Any = None
@@ -42,35 +42,35 @@ def pattern_icon(settings: Settings) -> int:
 
 
 def _icon(key: tuple[Any, ...], draw: Callable[[], Floats]) -> int:
-    if _Kept.icons is None:
+    if _IconCache.icons is None:
         return 0
     name = repr(key)
-    if name not in _Kept.icons:
-        if len(_Kept.icons) >= _MOST:
-            _Kept.icons.clear()
+    if name not in _IconCache.icons:
+        if len(_IconCache.icons) >= _MOST:
+            _IconCache.icons.clear()
         pixels = draw()
         pixels[:, :, :3] *= pixels[:, :, 3:]  # icons are drawn as premultiplied
-        preview = _Kept.icons.new(name)
+        preview = _IconCache.icons.new(name)
         preview.image_size = (pixels.shape[1], pixels.shape[0])
         preview.image_pixels_float.foreach_set(pixels.ravel().tolist())
-    icon: int = _Kept.icons[name].icon_id
+    icon: int = _IconCache.icons[name].icon_id
     return icon
 
 
 def register() -> None:
     """Begin to keep pictures."""
-    _Kept.icons = bpy.utils.previews.new()
+    _IconCache.icons = bpy.utils.previews.new()
 
 
 def unregister() -> None:
     """Forget them."""
-    if _Kept.icons is not None:
-        bpy.utils.previews.remove(_Kept.icons)
-    _Kept.icons = None
+    if _IconCache.icons is not None:
+        bpy.utils.previews.remove(_IconCache.icons)
+    _IconCache.icons = None
 
 
 @dataclass(frozen=True)
-class Pictured:
+class DetailIcons:
     """Details of a result, as icons."""
 
     energies: tuple[float, ...] = ()
@@ -78,14 +78,14 @@ class Pictured:
     gaps: int = 0
 
 
-def _pictured(obj: bpy.types.Object) -> Pictured:
+def _pictured(obj: bpy.types.Object) -> DetailIcons:
     details = details_from(obj.dapple.report.details)
-    return Pictured(details.energies, energy_icon(details), gaps_icon(details))
+    return DetailIcons(details.energies, energy_icon(details), gaps_icon(details))
 
 
 def _pattern(obj: bpy.types.Object) -> int:
     return pattern_icon(settings_of(obj))
 
 
-DETAILS = Prepared(_pictured, Pictured())
-PATTERN = Prepared(_pattern, 0)  # icon
+DETAILS = CachedValue(_pictured, DetailIcons())
+PATTERN = CachedValue(_pattern, 0)  # icon

@@ -9,18 +9,18 @@ from bpy.props import BoolProperty, EnumProperty
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps
 from ..base import operator_jobs
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator
-from ..base.translation import operator_label, told
+from ..base.translation import operator_label, translated
 from ..display import preview
 from ..surface.polls import ready
 from . import auto_update
 from .optimize import optimize_steps
-from .reattach import rebind_steps
+from .reattach import reattach_steps
 
 
-def _asks(operator: Any, context: bpy.types.Context) -> bool:
+def _confirms(operator: Any, context: bpy.types.Context) -> bool:
     """Whether the artist, who has pressed a button, is asked before a bake is taken away."""
     if not context.object.dapple.baked_keys or operator.delete_keyframes or bpy.app.background:
         return False
@@ -28,7 +28,7 @@ def _asks(operator: Any, context: bpy.types.Context) -> bool:
     return True  # it starts again once the user has confirmed
 
 
-class _DropsKeys(StepsOperator):
+class _DeletesKeyframes(StepsOperator):
     """Takes a bake away."""
 
     _action: ClassVar[str]
@@ -65,8 +65,8 @@ class DAPPLE_OT_delete_keyframes(AllOrNothing, bpy.types.Operator):
         return context.window_manager.invoke_confirm(
             self,
             event,
-            title=told("Delete the bake?"),
-            message=told(
+            title=translated("Delete the bake?"),
+            message=translated(
                 "The keyframes of frames {first} to {last} will be deleted",
                 first=settings.baked_start,
                 last=last,
@@ -83,7 +83,7 @@ class DAPPLE_OT_delete_keyframes(AllOrNothing, bpy.types.Operator):
             raise ScatterError(str(error).removeprefix("Error: ").strip()) from error
 
 
-class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
+class DAPPLE_OT_optimize(_DeletesKeyframes, bpy.types.Operator):
     """Distribute the points evenly on the surface in the current frame. Baked keyframes are
     deleted"""
 
@@ -100,8 +100,8 @@ class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
         """Leave it to the background, which makes the undo step once the points are there."""
         if bpy.app.background:
             return self.execute(context)
-        if not _asks(self, context):
-            auto_update.ask(context.object)
+        if not _confirms(self, context):
+            auto_update.request(context.object)
         return {"CANCELLED"}
 
     def execute(self, context: bpy.types.Context) -> Status:
@@ -109,15 +109,15 @@ class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
         return StepsOperator.execute(self, context)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        return optimize_steps(Held(context.object))
+        return optimize_steps(ObjectHandle(context.object))
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
-        preview.solved_anew(obj)
+        preview.restart(obj)
         return Outcome(obj)
 
 
-class DAPPLE_OT_reattach(_DropsKeys, bpy.types.Operator):
+class DAPPLE_OT_reattach(_DeletesKeyframes, bpy.types.Operator):
     """Attach the points to the nearest places of a surface whose faces changed. Go to the frame
     and pose in which they were optimized first. Baked keyframes are deleted"""
 
@@ -131,16 +131,16 @@ class DAPPLE_OT_reattach(_DropsKeys, bpy.types.Operator):
         return ready(cls, context, scatter=True)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        if _asks(self, context):
+        if _confirms(self, context):
             return {"CANCELLED"}
         return StepsOperator.invoke(self, context, event)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        return rebind_steps(context)
+        return reattach_steps(context)
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
-        preview.solved_anew(obj)
+        preview.restart(obj)
         return Outcome(obj)
 
 
@@ -154,7 +154,7 @@ class DAPPLE_OT_cancel_update(AllOrNothing, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         goes_on = auto_update.is_active() or operator_jobs.current() is not None
         if not goes_on:  # then Esc means what it means without the add-on
-            cls.poll_message_set(told("No points are being updated"))
+            cls.poll_message_set(translated("No points are being updated"))
         return goes_on
 
     def work(self, context: bpy.types.Context) -> None:

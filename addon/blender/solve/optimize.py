@@ -19,23 +19,25 @@ from ...core.solve.solve import Scattered, scatter
 from ...core.solve.stale import changed_settings
 from ...core.surface.arrays import SurfaceArrays
 from ...core.surface.sources import sources_of
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.quiet import quiet
 from ..freshness.concurrent_edits import check_points_kept, check_writable, points_now
 from ..freshness.staleness import is_edited, needs_solving
 from ..scatter.object import is_fluid, settings_of
 from ..scatter.points import locked_points
 from ..scatter.store import write_figures
-from ..surface.bound import rest_of
+from ..surface.current_binding import rest_of
 from ..surface.joined_surface import surface_for
 from ..surface.reading import check_faces, read_steps
 from ..surface.rest_position import kind_of_binding, rest_position
-from .session_solutions import before_of, write_solved
+from .session_solutions import previous_result, write_solved
 
 _RELAXED, _EVEN = 0.4, 0.9  # of the progress
 
 
-def optimize_steps(held: Held, *, asked: bool = True, deletes_keyframes: bool = True) -> Steps:
+def optimize_steps(
+    handle: ObjectHandle, *, requested: bool = True, deletes_keyframes: bool = True
+) -> Steps:
     """Solve a scatter; whether that was done.
 
     What is asked for is solved from the seed; points that the artist moves, locks or bakes
@@ -43,28 +45,28 @@ def optimize_steps(held: Held, *, asked: bool = True, deletes_keyframes: bool = 
     it does not fit what is there now, from the points that are there where they can be kept; points
     that were edited by hand are left alone.
     """
-    guard = _Guard(held, deletes_keyframes) if asked else None
-    settings = settings_of(held.get())
-    with surface_for(held.get()) as surface:
-        arrays = yield from read_steps(surface, settings, held)
-        if not asked and not (yield from _is_outdated(held, arrays, settings)):
+    guard = _Guard(handle, deletes_keyframes) if requested else None
+    settings = settings_of(handle.get())
+    with surface_for(handle.get()) as surface:
+        arrays = yield from read_steps(surface, settings, handle)
+        if not requested and not (yield from _is_outdated(handle, arrays, settings)):
             return False
         check_faces(surface.get(), arrays)
-        kind = _kind(held.get(), surface.get(), arrays, asked)
-        update = Update(held, surface, arrays, settings, kind, locked_points(held.get()))
-        if not asked and _keeps(update):
+        kind = _kind(handle.get(), surface.get(), arrays, requested)
+        update = Update(handle, surface, arrays, settings, kind, locked_points(handle.get()))
+        if not requested and _keeps(update):
             yield from _keep_steps(update)
         else:
-            yield from _anew_steps(update, guard)
+            yield from _from_seed_steps(update, guard)
     return True
 
 
 class _Guard:
     """Points that an artist has asked to solve: nothing that was done to them meanwhile is lost."""
 
-    def __init__(self, held: Held, deletes_keyframes: bool) -> None:
-        self._held, self._drops_keys = held, deletes_keyframes
-        self._before = points_now(held.get())
+    def __init__(self, handle: ObjectHandle, deletes_keyframes: bool) -> None:
+        self._held, self._drops_keys = handle, deletes_keyframes
+        self._before = points_now(handle.get())
         self._check_free()
 
     def check(self) -> None:
@@ -79,21 +81,21 @@ class _Guard:
             raise ScatterError(f"Scatter '{obj.name}' was baked meanwhile: nothing was written")
 
 
-def _is_outdated(held: Held, arrays: SurfaceArrays, settings: Settings) -> Any:
+def _is_outdated(handle: ObjectHandle, arrays: SurfaceArrays, settings: Settings) -> Any:
     """Whether a scatter has to be solved and may be."""
     now = yield Task(lambda _: sources_of(arrays, settings))
-    return not is_edited(held.get()) and needs_solving(held.get(), now)
+    return not is_edited(handle.get()) and needs_solving(handle.get(), now)
 
 
 def _kind(
-    obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays, asked: bool
+    obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays, requested: bool
 ) -> str:
     """FACES or REST; the faces of the render are looked at only where there are others, or where
     somebody waits for the result.
     """
     known = obj.dapple.surface_topology.split()
     automatic = obj.dapple.attach_to == "AUTO" and not is_fluid(surface)
-    if automatic and not asked and known == [arrays.topology]:
+    if automatic and not requested and known == [arrays.topology]:
         return str(obj.dapple.attached_to)
     with quiet():  # it evaluates a copy in a scene of its own
         return kind_of_binding(surface, bpy.context, obj.dapple.attach_to)
@@ -103,8 +105,8 @@ def _kind(
 class Update:
     """A scatter that is to be solved, and from what."""
 
-    scatter: Held
-    surface: Held
+    scatter: ObjectHandle
+    surface: ObjectHandle
     arrays: SurfaceArrays
     settings: Settings
     kind: str  # of the binding
@@ -117,7 +119,7 @@ class Update:
             write_solved(self.scatter.get(), self.arrays, solved, rest)
 
 
-def _anew_steps(update: Update, guard: _Guard | None) -> Steps:
+def _from_seed_steps(update: Update, guard: _Guard | None) -> Steps:
     """From the seed."""
     arrays, settings, locked = update.arrays, update.settings, update.locked
     solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
@@ -131,7 +133,7 @@ def _keep_steps(update: Update) -> Steps:
     to be, and at last the figures.
     """
     arrays, settings, locked = update.arrays, update.settings, update.locked
-    before = before_of(update.scatter.get())
+    before = previous_result(update.scatter.get())
     found: Scattered = yield Task(
         lambda worker: incremental.kept(before, arrays, settings, worker, locked), 0.0, _RELAXED
     )

@@ -8,7 +8,7 @@ import bpy
 from ...core.settings.solver_options import EVENNESS
 from ...core.solve.figures import FARTHEST
 from ..base.labels import at_right, lines_of
-from ..base.translation import counted, told
+from ..base.translation import translated, translated_count
 from ..scatter.object import is_scatter, rest_note
 from ..scatter.panel import ScatterPanel
 from ..surface import subdivision
@@ -92,7 +92,7 @@ class DAPPLE_PT_details(bpy.types.Panel):
         column.template_icon(icon_value=pictured.gaps, scale=7.0)
         row = column.row()
         row.label(text="0")
-        at_right(row, told("{share:.0%} of ideal", share=FARTHEST))
+        at_right(row, translated("{share:.0%} of ideal", share=FARTHEST))
         if len(pictured.energies) > 1:
             _draw_energies(sides.column(align=True), pictured)
         column = layout.column(align=True)
@@ -109,10 +109,12 @@ class DAPPLE_PT_details(bpy.types.Panel):
         column.enabled = False
 
 
-def _draw_energies(column: bpy.types.UILayout, pictured: figure_images.Pictured) -> None:
+def _draw_energies(column: bpy.types.UILayout, pictured: figure_images.DetailIcons) -> None:
     steps = len(pictured.energies) - 1
     column.label(
-        text=counted(steps, "Energy over {count} iteration", "Energy over {count} iterations")
+        text=translated_count(
+            steps, "Energy over {count} iteration", "Energy over {count} iterations"
+        )
     )
     column.template_icon(icon_value=pictured.energy, scale=7.0)
     row = column.row()

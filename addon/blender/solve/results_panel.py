@@ -5,12 +5,12 @@ import bpy
 
 from ..base import operator_jobs
 from ..base.labels import BUTTON, lines_of
-from ..base.translation import counted, told
+from ..base.translation import translated, translated_count
 from ..freshness import findings
 from . import auto_update
 from .operators import DAPPLE_OT_cancel_update, DAPPLE_OT_hide_message
 
-_NOTICED = 0.02  # of an area variation, that is worth a line ...
+_NOTABLE = 0.02  # of an area variation, that is worth a line ...
 _SHARE = 0.3  # ... if it is that much of the whole
 _ICONS = {"ERROR": "ERROR", "WARNING": "ERROR", "INFO": "INFO"}
 
@@ -20,7 +20,7 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
     if auto_update.progress(obj) is not None:  # a bar says the rest
         return [(_result(obj), "NONE")]
     why = auto_update.trouble(obj)
-    trouble = [(told("Not updated: {why}", why=why), "ERROR")] if why else []
+    trouble = [(translated("Not updated: {why}", why=why), "ERROR")] if why else []
     fit = _fit(_result(obj), findings.findings(obj, context))
     return [*fit, *_doubled(obj.dapple.report), *trouble]
 
@@ -31,17 +31,19 @@ def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     if not report.measured:
         return [(_effort(obj), "NONE")]
     variation, least = 100 * report.capacity_variation, 100 * report.alpha_min
-    lines = [(told("Area variation {spread:.2g} %", spread=variation), "NONE")]
+    lines = [(translated("Area variation {spread:.2g} %", spread=variation), "NONE")]
     if _has_spacing(report):
-        lines.append((told("Smallest spacing {least:.0f} % of ideal", least=least), "NONE"))
+        lines.append((translated("Smallest spacing {least:.0f} % of ideal", least=least), "NONE"))
     lines.append((_effort(obj), "NONE"))
     if report.thin_share > 0.0:
         thin = 100 * report.thin_share
-        text = told("{thin:.3g} % of the points are on parts thinner than the spacing", thin=thin)
+        text = translated(
+            "{thin:.3g} % of the points are on parts thinner than the spacing", thin=thin
+        )
         lines.append((text, "INFO"))
-    if report.whole_count_variation > max(_NOTICED, _SHARE * report.capacity_variation):
+    if report.whole_count_variation > max(_NOTABLE, _SHARE * report.capacity_variation):
         whole = 100 * report.whole_count_variation
-        text = told("Separate parts have whole numbers of points: {whole:.2g} %", whole=whole)
+        text = translated("Separate parts have whole numbers of points: {whole:.2g} %", whole=whole)
         lines.append((text, "INFO"))
     if not report.converged and not obj.dapple.baked_keys:
         lines.append((_shortfall(obj), "INFO"))
@@ -58,23 +60,25 @@ def _doubled(report: bpy.types.PropertyGroup) -> list[tuple[str, str]]:
     count = report.doubled_faces
     if not count:
         return []
-    text = counted(count, "{count} doubled face counts once", "{count:,} doubled faces count once")
+    text = translated_count(
+        count, "{count} doubled face counts once", "{count:,} doubled faces count once"
+    )
     return [(text, "INFO")]
 
 
 def _result(obj: bpy.types.Object) -> str:
     """How many instances there are, and how evenly they are spread."""
     report = obj.dapple.report
-    instances = counted(report.count, "{count} instance", "{count:,} instances")
+    instances = translated_count(report.count, "{count} instance", "{count:,} instances")
     if not report.measured and auto_update.progress(obj) is None:
-        return told("{instances}, not measured: optimize again", instances=instances)
+        return translated("{instances}, not measured: optimize again", instances=instances)
     if not _has_spacing(report):
         spread = 100 * report.capacity_variation
-        return told(
+        return translated(
             "{instances}, area variation {spread:.2g} %", instances=instances, spread=spread
         )
     mean = 100 * report.alpha_mean
-    return told("{instances}, spacing {mean:.0f} % of ideal", instances=instances, mean=mean)
+    return translated("{instances}, spacing {mean:.0f} % of ideal", instances=instances, mean=mean)
 
 
 def draw_result(
@@ -87,10 +91,10 @@ def draw_result(
     if share is None:
         return
     row = layout.row(align=True)
-    if auto_update.is_asked(obj):
-        text = told("Optimizing: {share:.0%}", share=share)
+    if auto_update.is_requested(obj):
+        text = translated("Optimizing: {share:.0%}", share=share)
     else:
-        text = told("Updating: {share:.0%}", share=share)
+        text = translated("Updating: {share:.0%}", share=share)
     row.progress(factor=share, text=text)
     row.operator(DAPPLE_OT_cancel_update.bl_idname, text="", icon="X")
 
@@ -98,28 +102,28 @@ def draw_result(
 def _fit(result: str, found: findings.Findings | None) -> list[tuple[str, str]]:
     """A result, and whether it fits, as far as that is known."""
     if found is None:
-        return [(told("{result}, not compared with the scene yet", result=result), "TIME")]
+        return [(translated("{result}, not compared with the scene yet", result=result), "TIME")]
     verdict = found.verdict
     if verdict.reason:
-        out = told("Out of date: {reason}", reason=verdict.reason)
+        out = translated("Out of date: {reason}", reason=verdict.reason)
         return [(result, "NONE"), (out, "ERROR")]
     if verdict.note:
         return [(result, "NONE"), (verdict.note, "INFO")]
-    return [(told("{result}, up to date", result=result), "CHECKMARK")]
+    return [(translated("{result}, up to date", result=result), "CHECKMARK")]
 
 
 def _shortfall(obj: bpy.types.Object) -> str:
     """Why the result is not at the tolerance."""
     if obj.dapple.report.evaluations >= obj.dapple.max_evaluations:
-        return told("Tolerance not reached: increase Max Iterations")
-    return told("Tolerance not reached: no step improves the result")
+        return translated("Tolerance not reached: increase Max Iterations")
+    return translated("Tolerance not reached: no step improves the result")
 
 
 def _effort(obj: bpy.types.Object) -> str:
     time = _time(obj.dapple.report.milliseconds)
     if obj.dapple.baked_keys:
-        return told("Solved in {time} per frame", time=time)
-    return told("Solved in {time}", time=time)
+        return translated("Solved in {time} per frame", time=time)
+    return translated("Solved in {time}", time=time)
 
 
 def _time(milliseconds: float) -> str:
@@ -135,12 +139,12 @@ def draw_work(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         row = layout.row(align=True)
         row.progress(factor=work.job.progress, text=work.line())
         row.operator(DAPPLE_OT_cancel_update.bl_idname, text="", icon="X")
-    said = operator_jobs.notes(obj) if obj is not None else []
-    if not said:
+    messages = operator_jobs.notes(obj) if obj is not None else []
+    if not messages:
         return
     row = layout.row()
     column = row.column(align=True)
-    for kind, text in said:
+    for kind, text in messages:
         lines_of(column, text, _ICONS[kind], BUTTON)
     row.operator(DAPPLE_OT_hide_message.bl_idname, text="", icon="X")
 

@@ -9,7 +9,7 @@ from collections import OrderedDict
 
 import bpy
 
-from ...core.solve.carried import Before
+from ...core.solve.carried_points import PreviousResult
 from ...core.solve.incremental import as_placed
 from ...core.solve.solve import Scattered, Solved
 from ...core.surface.arrays import Ints, SurfaceArrays
@@ -17,7 +17,7 @@ from ...core.surface.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, Binding, C
 from ...core.surface.rest import AtRest
 from ..base.all_or_nothing import all_or_nothing
 from ..base.handlers import Subscriber
-from ..scatter.points import own_columns, point_columns_of, points_digest, touched_places
+from ..scatter.points import edited_places, own_columns, point_columns_of, points_digest
 from ..scatter.store import write_binding, write_own_ids, write_scattered
 
 _MOST = 4  # as each has a surface with all that is known of it
@@ -68,12 +68,12 @@ def _remember(points: str, solved: Solved, ids: Ints) -> None:
         _known.popitem(last=False)
 
 
-def before_of(obj: bpy.types.Object) -> Before:
+def previous_result(obj: bpy.types.Object) -> PreviousResult:
     """The points of a scatter as they are stored, with their solution if it is remembered."""
     columns = own_columns(obj, {**POINT_ATTRIBUTES, "dapple_rank": "FLOAT"})
     binding = binding_from(own_columns(obj, ROW_ATTRIBUTES))
     solved, _ = _known.get(points_digest(obj), (None, None))
-    return Before(binding, columns, solved, touched_places(obj))
+    return PreviousResult(binding, columns, solved, edited_places(obj))
 
 
 SUBSCRIBER = Subscriber(before_load=_known.clear, disabled=_known.clear)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...core.base.errors import ScatterError
 from ...core.surface.mesh_snapshot import RawImage
 from ...core.surface.sources import digest_of
-from .beside import by_full_name
+from .scene_objects import by_full_name
 
 FIRST, ACROSS = 1001, 10  # of UDIM tiles: number 1001 + u + 10 v
 Pixels = NDArray[np.float32]  # (rows, columns, channels), row 0 at the bottom

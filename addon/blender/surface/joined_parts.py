@@ -15,7 +15,7 @@ import numpy as np
 from ...core.base.errors import ScatterError
 from ...nodes.joined_surface import KEY, Joined, Offset, build
 from ..base.all_or_nothing import once_done
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.quiet import quiet
 from ..scatter.object import is_scatter
 
@@ -111,7 +111,7 @@ def copied_with(
 
 
 @contextmanager
-def pieces_kept(surface: Held) -> Iterator[None]:
+def pieces_kept(surface: ObjectHandle) -> Iterator[None]:
     """Set the parts of a joined surface back where what is done inside fails or is canceled."""
     joined = surface.get().dapple.joined
     before, rests = pieces_of(surface.get()), _rests(joined)
@@ -119,11 +119,11 @@ def pieces_kept(surface: Held) -> Iterator[None]:
         yield
     except BaseException:
         with suppress(ScatterError, ReferenceError):  # the artist may have deleted any of them
-            _put_back(surface.get(), before, rests)
+            _restore(surface.get(), before, rests)
         raise
 
 
-def _put_back(surface: bpy.types.Object, before: list[Piece], rests: dict[Piece, Rest]) -> None:
+def _restore(surface: bpy.types.Object, before: list[Piece], rests: dict[Piece, Rest]) -> None:
     if pieces_of(surface) != before:
         with quiet():
             _write_entries(surface.dapple.joined, before, rests)

@@ -12,9 +12,9 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from ...nodes import get_input, has_input
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.quiet import quiet
-from ..scatter.library import open_collections, read_only
+from ..scatter.linked_data import open_collections, read_only
 from ..scatter.modifier import scatter_modifier
 from ..scatter.object import is_scatter, is_surface, surface_of
 from .joined_parts import (
@@ -46,11 +46,11 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
 @contextmanager
 def surface_over(
     context: bpy.types.Context, collection: bpy.types.Collection | None = None
-) -> Iterator[Held]:
+) -> Iterator[ObjectHandle]:
     """The surface of what is chosen, or of a collection; gone if it is new and Add fails."""
     objects = [] if collection else chosen(context)
     if len(objects) == 1 and is_surface(objects[0]):
-        yield Held(objects[0])
+        yield ObjectHandle(objects[0])
         return
     pieces = _pieces(objects, collection)
     known = _known(pieces, collection)
@@ -62,7 +62,7 @@ def surface_over(
         yield new
 
 
-def selected_beside(context: bpy.types.Context) -> list[bpy.types.Object]:
+def other_selected(context: bpy.types.Context) -> list[bpy.types.Object]:
     """What is selected beside the active scatter and can be its surface, or a part of it."""
     return [
         obj
@@ -76,7 +76,7 @@ def put_on_selected(context: bpy.types.Context) -> None:
 
     Parts that the surface has already stay in their order.
     """
-    scatter, objects = context.object, selected_beside(context)
+    scatter, objects = context.object, other_selected(context)
     if len(objects) == 1 and is_surface(objects[0]):
         scatter.dapple.surface = objects[0]
         return
@@ -94,15 +94,15 @@ def put_on_selected(context: bpy.types.Context) -> None:
 
 
 @contextmanager
-def surface_for(scatter: bpy.types.Object) -> Iterator[Held]:
+def surface_for(scatter: bpy.types.Object) -> Iterator[ObjectHandle]:
     """The surface of a scatter that is solved or attached; a joined one is renewed."""
-    surface = Held(surface_of(scatter))
+    surface = ObjectHandle(surface_of(scatter))
     with renewed(surface):
         yield surface
 
 
 @contextmanager
-def renewed(surface: Held) -> Iterator[None]:
+def renewed(surface: ObjectHandle) -> Iterator[None]:
     """Have a joined surface consist of what it is to, also afterward if nothing fails."""
     obj = surface.get()
     if not is_joined(obj) or read_only(obj):
@@ -133,17 +133,17 @@ def _pieces(
     return pieces
 
 
-def _known(pieces: list[Piece], collection: bpy.types.Collection | None) -> Held | None:
+def _known(pieces: list[Piece], collection: bpy.types.Collection | None) -> ObjectHandle | None:
     """The joined surface that there is of these already."""
     for obj in bpy.data.objects:
         ours = is_joined(obj) and not read_only(obj) and obj.dapple.joined.collection == collection
         if ours and (collection is not None or set(pieces_of(obj)) == set(pieces)):
-            return Held(obj)
+            return ObjectHandle(obj)
     return None
 
 
 @contextmanager
-def _new(pieces: list[Piece], collection: bpy.types.Collection | None) -> Iterator[Held]:
+def _new(pieces: list[Piece], collection: bpy.types.Collection | None) -> Iterator[ObjectHandle]:
     groups = set(bpy.data.node_groups)
     named = collection or (*pieces[0].path, pieces[0].object)[0]
     name = f"{named.name}{SUFFIX}"
@@ -153,7 +153,7 @@ def _new(pieces: list[Piece], collection: bpy.types.Collection | None) -> Iterat
         obj.hide_viewport = obj.hide_render = True
         obj.display_type = "BOUNDS"
         write_pieces(obj, pieces)
-        yield Held(obj)
+        yield ObjectHandle(obj)
     except BaseException:
         bpy.data.meshes.remove(obj.data)  # and the object with it
         bpy.data.batch_remove(set(bpy.data.node_groups) - groups)
@@ -174,7 +174,7 @@ def _plays(scatter: bpy.types.Object, surface: bpy.types.Object) -> bool:
 
 
 @contextmanager
-def evaluated(surface: Held) -> Iterator[None]:
+def evaluated(surface: ObjectHandle) -> Iterator[None]:
     """Have a joined surface be evaluated inside, even while no scatter on it is shown."""
     obj, scene = surface.get(), bpy.context.scene
     if _is_played(obj):

@@ -21,7 +21,7 @@ from ..base.mesh_arrays import (
     read_columns,
     shading_normals,
 )
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.times import time_of
 from ..scatter.object import is_fluid
 from .joined_parts import parts_of
@@ -84,7 +84,7 @@ Parts = Generator[Task, Any, Any]
 
 
 def mesh_parts(
-    surface: Held, known: RawMesh | None = None, *, shaded: bool = True, cut: bool = True
+    surface: ObjectHandle, known: RawMesh | None = None, *, shaded: bool = True, cut: bool = True
 ) -> Parts:
     """Read a mesh, with its normals if they matter, and Blender's triangles where polygons have
     many corners; what polygons it has, only where they are not those of one known before.
@@ -116,7 +116,7 @@ def mesh_parts(
     )
 
 
-def _normals(surface: Held, corner_count: int) -> Parts:
+def _normals(surface: ObjectHandle, corner_count: int) -> Parts:
     """Shading normals of the corners or the polygons."""
     yield PAUSE
     with evaluated_mesh(surface.get(), evaluated()) as mesh:
@@ -124,7 +124,7 @@ def _normals(surface: Held, corner_count: int) -> Parts:
         return shading_normals(mesh)
 
 
-def _starts(surface: Held, corner_count: int, count: int) -> Any:
+def _starts(surface: ObjectHandle, corner_count: int, count: int) -> Any:
     if corner_count == 3 * count:  # all are triangles
         return np.arange(0, corner_count, 3, dtype=np.int32)
     with evaluated_mesh(surface.get(), evaluated()) as mesh:
@@ -132,7 +132,7 @@ def _starts(surface: Held, corner_count: int, count: int) -> Any:
         return polygon_starts(mesh)
 
 
-def _cut(surface: Held, corner_count: int) -> Any:
+def _cut(surface: ObjectHandle, corner_count: int) -> Any:
     """Blender's own triangles, of polygons with more than four corners."""
     with evaluated_mesh(surface.get(), evaluated()) as mesh:
         _check_count(surface, len(mesh.loops), corner_count)
@@ -142,7 +142,7 @@ def _cut(surface: Held, corner_count: int) -> Any:
     return cut.reshape(-1, 3)
 
 
-def value_parts(surface: Held, known: RawMesh, name: str) -> Parts:
+def value_parts(surface: ObjectHandle, known: RawMesh, name: str) -> Parts:
     """Read an attribute, or a vertex group some vertices at a time."""
     yield PAUSE
     obj = surface.get()
@@ -165,14 +165,14 @@ def value_parts(surface: Held, known: RawMesh, name: str) -> Parts:
     return RawValues(name, "POINT", values)
 
 
-def material_values(surface: Held, known: RawMesh, names: Collection[str]) -> RawValues:
+def material_values(surface: ObjectHandle, known: RawMesh, names: Collection[str]) -> RawValues:
     """Read which faces have one of these materials."""
     with evaluated_mesh(surface.get(), evaluated()) as mesh:
         _check_count(surface, len(mesh.polygons), len(known.starts))
         return read_materials(surface.get(), mesh, names)
 
 
-def read_uv(surface: Held, known: RawMesh, name: str) -> Any:
+def read_uv(surface: ObjectHandle, known: RawMesh, name: str) -> Any:
     """Read a UV map: (c, 2) of the corners."""
     with evaluated_mesh(surface.get(), evaluated()) as mesh:
         _check_count(surface, len(mesh.loops), len(known.corners))
@@ -191,19 +191,19 @@ def uv_layer(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.type
     return layer
 
 
-def _check_count(surface: Held, count: int, known: int) -> None:
+def _check_count(surface: ObjectHandle, count: int, known: int) -> None:
     if count != known:
         raise ScatterError(f"Surface '{surface.name}' changed while it was read")
 
 
 def read_mesh(obj: bpy.types.Object) -> SurfaceArrays:
     """The surface as it is now, without values."""
-    return surface_of_raw(run_now(mesh_parts(Held(obj))))
+    return surface_of_raw(run_now(mesh_parts(ObjectHandle(obj))))
 
 
 def read_outline(obj: bpy.types.Object) -> SurfaceArrays:
     """The same without triangles, which take most of the time."""
-    return outline_of_raw(run_now(mesh_parts(Held(obj), shaded=False, cut=False)))
+    return outline_of_raw(run_now(mesh_parts(ObjectHandle(obj), shaded=False, cut=False)))
 
 
 def evaluated() -> bpy.types.Depsgraph:

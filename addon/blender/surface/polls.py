@@ -5,8 +5,8 @@ import bpy
 
 from ...core.base.native import missing
 from ..base import operator_jobs
-from ..base.translation import operator_label, told
-from ..scatter.library import read_only
+from ..base.translation import operator_label, translated
+from ..scatter.linked_data import read_only
 from ..scatter.object import is_scatter
 from .joined_surface import chosen
 
@@ -18,7 +18,7 @@ def free(cls: type[bpy.types.Operator]) -> bool:
         cls.poll_message_set(missing())
     elif work is not None:
         name = operator_label(work.label)
-        cls.poll_message_set(told("'{work}' is still running: cancel it or wait", work=name))
+        cls.poll_message_set(translated("'{work}' is still running: cancel it or wait", work=name))
     else:
         return True
     return False
@@ -30,13 +30,13 @@ def ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bo
     if not free(cls):
         return False
     if context.mode != "OBJECT" or obj is None:
-        cls.poll_message_set(told("Needs an active object in Object Mode"))
+        cls.poll_message_set(translated("Needs an active object in Object Mode"))
     elif scatter:
         return writable(cls, context)
     elif is_scatter(obj):
-        cls.poll_message_set(told("The active object is a scatter, not a surface"))
+        cls.poll_message_set(translated("The active object is a scatter, not a surface"))
     elif not chosen(context):
-        cls.poll_message_set(told("Needs an active mesh, curve, text or metaball object"))
+        cls.poll_message_set(translated("Needs an active mesh, curve, text or metaball object"))
     else:
         return True
     return False
@@ -45,7 +45,7 @@ def ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bo
 def writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """Whether the active object is a scatter that keeps what is written to it."""
     if not is_scatter(context.object):
-        cls.poll_message_set(told("The active object is not a Dapple scatter"))
+        cls.poll_message_set(translated("The active object is not a Dapple scatter"))
     elif read_only(context.object):
         cls.poll_message_set(read_only(context.object))
     else:
@@ -58,7 +58,7 @@ def editable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     if not ready(cls, context, scatter=True):
         return False
     if context.object.dapple.baked_keys:
-        cls.poll_message_set(told("The scatter is baked: clear the bake to edit points"))
+        cls.poll_message_set(translated("The scatter is baked: clear the bake to edit points"))
         return False
     return True
 

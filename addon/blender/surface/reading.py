@@ -15,11 +15,11 @@ from ...core.settings.values import Settings, materials_of
 from ...core.surface.arrays import SurfaceArrays, check_unchanged
 from ...core.surface.mesh_snapshot import RawMesh, RawValues, surface_of_raw
 from ...core.surface.sources import digest_of
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.times import show_time, time_of
-from .bound import with_rest
+from .current_binding import with_rest
 from .mesh import Parts, material_values, mesh_parts, value_parts
-from .surroundings import Beside, Known, lasting, parts_beside
+from .surroundings import Known, Nearby, lasting, nearby_parts
 
 
 @dataclass
@@ -28,14 +28,14 @@ class Read:
 
     mesh: RawMesh
     values: list[RawValues] = field(default_factory=list)
-    beside: Beside = field(default_factory=Beside)
+    nearby: Nearby = field(default_factory=Nearby)
     like: SurfaceArrays | None = None  # the same faces on a frame before
     still: list[str] = field(default_factory=list)  # values that are as there
 
     def arrays(self) -> SurfaceArrays:
         """All of it; for a worker."""
-        around = self.beside.surroundings()
-        found = surface_of_raw(self.mesh, self.values, around, self.beside.uv, self.like)
+        around = self.nearby.surroundings()
+        found = surface_of_raw(self.mesh, self.values, around, self.nearby.uv, self.like)
         if self.like is None:
             return found
         weights = {name: self.like.weights[name] for name in self.still}
@@ -44,9 +44,9 @@ class Read:
 
 
 def read_parts(
-    surface: Held,
+    surface: ObjectHandle,
     settings: Settings | None = None,
-    own: Held | None = None,
+    own: ObjectHandle | None = None,
     known: Known | None = None,
 ) -> Parts:
     """Read a surface part by part, with what settings take from it and from beside their scatter:
@@ -69,14 +69,14 @@ def read_parts(
     if materials_of(density):
         yield PAUSE
         found.values.append(material_values(surface, found.mesh, materials_of(density)))
-    found.beside = yield from parts_beside(density, surface, own, found.mesh, known)
+    found.nearby = yield from nearby_parts(density, surface, own, found.mesh, known)
     return found
 
 
 def read_steps(
-    surface: Held,
+    surface: ObjectHandle,
     settings: Settings | None = None,
-    own: Held | None = None,
+    own: ObjectHandle | None = None,
     known: Known | None = None,
 ) -> Any:
     """The same as arrays. known saves what reading again would find unchanged, from frame to frame
@@ -88,7 +88,7 @@ def read_steps(
         if read.like is None or known.mesh is None:
             known.mesh = read.mesh
         known.arrays = known.arrays if read.like is not None else arrays
-        known.picture = read.beside.picture
+        known.picture = read.nearby.picture
     return arrays
 
 
@@ -96,13 +96,13 @@ def read(
     surface: bpy.types.Object,
     settings: Settings | None = None,
     own: bpy.types.Object | None = None,
-    may_be_bare: bool = False,
+    may_be_empty: bool = False,
     known: Known | None = None,
 ) -> SurfaceArrays:
     """The same at once; ScatterError where it has no faces, unless it may be bare."""
-    scatter = Held(own) if own is not None else None
-    arrays: SurfaceArrays = run_now(read_steps(Held(surface), settings, scatter, known))
-    if not may_be_bare:
+    scatter = ObjectHandle(own) if own is not None else None
+    arrays: SurfaceArrays = run_now(read_steps(ObjectHandle(surface), settings, scatter, known))
+    if not may_be_empty:
         check_faces(surface, arrays)
     return arrays
 
@@ -119,7 +119,7 @@ def value_digests(
     """Digests of values of a surface, by name; see SurfaceArrays.digests."""
     if not names and not materials:
         return {}
-    surface = Held(obj)
+    surface = ObjectHandle(obj)
     mesh = run_now(mesh_parts(surface, shaded=False, cut=False))
     found = [run_now(value_parts(surface, mesh, name)) for name in names]
     if materials:
@@ -129,28 +129,28 @@ def value_digests(
 
 def _without_faces(surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
     """That a surface has none now, and what to do where it has instances instead."""
-    told = f"Surface '{surface.name}' has no faces at frame {depsgraph.scene.frame_current_final:g}"
+    text = f"Surface '{surface.name}' has no faces at frame {depsgraph.scene.frame_current_final:g}"
     if any(
         one.is_instance and one.parent and one.parent.original == surface
         for one in depsgraph.object_instances
     ):
-        return f"{told}, only instances: add Realize Instances at the end of its nodes"
-    return told
+        return f"{text}, only instances: add Realize Instances at the end of its nodes"
+    return text
 
 
 def at_frame(
-    surface: Held,
+    surface: ObjectHandle,
     frame: int,
     part: float = 0.0,
     settings: Settings | None = None,
-    own: Held | None = None,
+    own: ObjectHandle | None = None,
     kind: str = "FACES",
-    may_be_bare: bool = False,
+    may_be_empty: bool = False,
     known: Known | None = None,
 ) -> SurfaceArrays:
     """The surface at a time of the animation, with its rest shape where points are bound to it."""
     show_time(bpy.context.scene, frame + part)
-    arrays = read(surface.get(), settings, own.get() if own else None, may_be_bare, known)
+    arrays = read(surface.get(), settings, own.get() if own else None, may_be_empty, known)
     has_rest = kind == "REST" and len(arrays.faces)
     return with_rest(arrays, surface.get()) if has_rest else arrays
 
@@ -158,7 +158,7 @@ def at_frame(
 @contextmanager
 def as_read(
     arrays: SurfaceArrays,
-    surface: Held,
+    surface: ObjectHandle,
     settings: Settings | None = None,
     own: bpy.types.Object | None = None,
 ) -> Iterator[None]:

@@ -11,9 +11,9 @@ from contextlib import contextmanager
 import bpy
 
 from ...core.base.errors import ScatterError
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.translation import english
-from ..scatter.library import read_only
+from ..scatter.linked_data import read_only
 from ..scatter.object import is_fluid
 from .joined_parts import parts_of
 from .mesh import evaluated_mesh
@@ -66,7 +66,7 @@ def _kind_of_fluid(obj: bpy.types.Object, attach_to: str) -> str:
 
 
 @contextmanager
-def rest_position(surface: Held, kind: str) -> Iterator[None]:
+def rest_position(surface: ObjectHandle, kind: str) -> Iterator[None]:
     """Have Rest Position of a surface on inside, and from then on if nothing fails."""
     with rest_position_kept(surface):
         for part in _with_rest_position(surface.get()) if kind == "REST" else ():
@@ -76,21 +76,21 @@ def rest_position(surface: Held, kind: str) -> Iterator[None]:
 
 
 @contextmanager
-def rest_position_kept(surface: Held) -> Iterator[None]:
+def rest_position_kept(surface: ObjectHandle) -> Iterator[None]:
     """Set Rest Position back where what is done inside fails or is canceled."""
     before = [
-        (Held(part), part.add_rest_position_attribute)
+        (ObjectHandle(part), part.add_rest_position_attribute)
         for part in _with_rest_position(surface.get())
     ]
     try:
         yield
     except BaseException:
         for part, on in before:
-            _put_back(part, on)
+            _restore(part, on)
         raise
 
 
-def _put_back(surface: Held, before: bool) -> None:
+def _restore(surface: ObjectHandle, before: bool) -> None:
     try:
         obj = surface.get()
     except ScatterError:  # it was removed

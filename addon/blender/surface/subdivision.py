@@ -14,10 +14,10 @@ import bpy
 from bpy.props import EnumProperty
 
 from ...core.base.errors import ScatterError
-from ..base.panel_values import Prepared
+from ..base.panel_values import CachedValue
 from ..base.step_operators import OPTIONS, AllOrNothing
-from ..base.translation import Say, english, told
-from ..scatter.library import read_only
+from ..base.translation import Translate, english, translated
+from ..scatter.linked_data import read_only
 from ..scatter.object import active_surface
 from .joined_parts import parts_of
 from .mesh import evaluated_mesh, topology
@@ -65,19 +65,21 @@ def _mismatch(obj: bpy.types.Object, context: bpy.types.Context) -> str:
     )
 
 
-def differences(obj: bpy.types.Object, scene: bpy.types.Scene, say: Say = english) -> list[str]:
+def differences(
+    obj: bpy.types.Object, scene: bpy.types.Scene, translate: Translate = english
+) -> list[str]:
     """Settings by which viewport and render differ, in words."""
     parts = parts_of(obj)
     causes = [
-        words if part == obj else say("'{part}': {cause}", part=part.name, cause=words)
+        words if part == obj else translate("'{part}': {cause}", part=part.name, cause=words)
         for part in parts
-        for words in _own_differences(part, say)
+        for words in _own_differences(part, translate)
     ]
     modifiers = (modifier for part in parts for modifier in part.modifiers)
     if _simplified(scene) and any(modifier.type in _PAIRS for modifier in modifiers):
         render = scene.render
         causes.append(
-            say(
+            translate(
                 "Simplify: {viewport} and {render}",
                 viewport=render.simplify_subdivision,
                 render=render.simplify_subdivision_render,
@@ -86,24 +88,24 @@ def differences(obj: bpy.types.Object, scene: bpy.types.Scene, say: Say = englis
     return causes
 
 
-def _own_differences(obj: bpy.types.Object, say: Say) -> Iterator[str]:
+def _own_differences(obj: bpy.types.Object, translate: Translate) -> Iterator[str]:
     for _, seen, used in _resolutions(obj):
-        yield say("Resolution: {viewport} and {render}", viewport=seen, render=used)
+        yield translate("Resolution: {viewport} and {render}", viewport=seen, render=used)
     for modifier in obj.modifiers:
-        yield from _modifier_difference(modifier, say)
+        yield from _modifier_difference(modifier, translate)
 
 
-def _modifier_difference(modifier: bpy.types.Modifier, say: Say) -> Iterator[str]:
+def _modifier_difference(modifier: bpy.types.Modifier, translate: Translate) -> Iterator[str]:
     if modifier.show_viewport != modifier.show_render:
         if modifier.show_viewport:
-            yield say("{modifier}: shown in the viewport only", modifier=modifier.name)
+            yield translate("{modifier}: shown in the viewport only", modifier=modifier.name)
         else:
-            yield say("{modifier}: shown in the render only", modifier=modifier.name)
+            yield translate("{modifier}: shown in the render only", modifier=modifier.name)
     elif modifier.show_viewport and modifier.type in _PAIRS:
         viewport, render = (getattr(modifier, name) for name in _PAIRS[modifier.type])
         if viewport != render:
             values = {"viewport": viewport, "render": render}
-            yield say("{modifier}: {viewport} and {render}", modifier=modifier.name, **values)
+            yield translate("{modifier}: {viewport} and {render}", modifier=modifier.name, **values)
 
 
 def _resolutions(obj: bpy.types.Object) -> Iterator[tuple[tuple[str, str], int, int]]:
@@ -217,11 +219,11 @@ class DAPPLE_OT_match_subdivision(AllOrNothing, bpy.types.Operator):
 
 
 def _differences(surface: bpy.types.Object) -> tuple[str, ...]:
-    return tuple(differences(surface, bpy.context.scene, told))
+    return tuple(differences(surface, bpy.context.scene, translated))
 
 
 # Of a surface: by what the viewport and renders differ.
-DIFFERENCES = Prepared(_differences, ())
+DIFFERENCES = CachedValue(_differences, ())
 
 
 CLASSES = (DAPPLE_OT_match_subdivision,)

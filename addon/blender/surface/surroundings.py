@@ -13,16 +13,16 @@ from ...core.base.errors import ScatterError
 from ...core.base.steps import PAUSE, run_now
 from ...core.settings.values import DensitySettings, Settings
 from ...core.surface.arrays import Floats, Ints, SurfaceArrays, Surroundings
-from ...core.surface.mesh_snapshot import RawImage, RawMesh, laid_image, surface_of_raw
+from ...core.surface.mesh_snapshot import RawImage, RawMesh, image_density, surface_of_raw
 from ...core.surface.records import check_columns
 from ..base.mesh_arrays import matrix_of, read_columns
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..scatter.object import is_scatter
-from .beside import check_targets, obstacles_of, read_lines, targets_of
 from .images import is_film, read_images
 from .joined_parts import parts_of
 from .mesh import Parts, evaluated, mesh_parts, read_uv
-from .played import points_now
+from .playback import points_now
+from .scene_objects import check_targets, obstacles_of, read_lines, targets_of
 
 # Modifiers that leave weights as they are wherever vertices stay.
 _KEEPS_WEIGHTS = {
@@ -73,7 +73,7 @@ class Known:
 
 
 @dataclass
-class Beside:
+class Nearby:
     """What was read beside a surface."""
 
     uv: Any = None  # (c, 2) of the surface's corners
@@ -90,7 +90,7 @@ class Beside:
     def surroundings(self) -> Surroundings:
         """All but texture coordinates, which triangles have; for a worker."""
         if self.picture is None:
-            self.picture = laid_image(self.images, self.channel)
+            self.picture = image_density(self.images, self.channel)
         return Surroundings(
             camera=self.camera,
             obstacles=_solids(self.obstacles),
@@ -107,33 +107,37 @@ def _solids(meshes: list[RawMesh]) -> tuple[tuple[Floats, Ints], ...]:
     return tuple(one.solid for one in meshes if len(one.solid[1]))
 
 
-def parts_beside(
-    density: DensitySettings, surface: Held, own: Held | None, mesh: RawMesh | None, known: Known
+def nearby_parts(
+    density: DensitySettings,
+    surface: ObjectHandle,
+    own: ObjectHandle | None,
+    mesh: RawMesh | None,
+    known: Known,
 ) -> Parts:
     """Read what a density takes from beside a surface; nothing that the scatter `own` makes or
     places is its obstacle. The mesh of the surface is needed where there is an image.
     """
-    found = Beside()
+    found = Nearby()
     if density.image:
         found.uv = read_uv(surface, mesh, density.uv_map) if mesh is not None else None
         yield PAUSE
         yield from _picture_parts(found, density, known)
-    if density.use_camera:
+    if density.use_camera_view:
         found.camera = read_camera(evaluated())
     if density.avoid_collection:
         others = obstacles_of(density.avoid_collection, surface.get(), _object(own))
         found.points, found.radii = balls(others, density.avoid_margin, known.scatters)
-        for other in [Held(one) for one in others if not is_scatter(one)]:
-            found.obstacles.append((yield from _mesh_beside(other, known)))
+        for other in [ObjectHandle(one) for one in others if not is_scatter(one)]:
+            found.obstacles.append((yield from _nearby_mesh(other, known)))
     yield from _target_parts(found, density, surface, own, known)
     return found
 
 
-def _object(held: Held | None) -> bpy.types.Object | None:
-    return held.get() if held is not None else None
+def _object(handle: ObjectHandle | None) -> bpy.types.Object | None:
+    return handle.get() if handle is not None else None
 
 
-def _picture_parts(found: Beside, density: DensitySettings, known: Known) -> Parts:
+def _picture_parts(found: Nearby, density: DensitySettings, known: Known) -> Parts:
     if known.picture is not None and not is_film(density.image):
         found.picture = known.picture
         return
@@ -143,7 +147,7 @@ def _picture_parts(found: Beside, density: DensitySettings, known: Known) -> Par
         yield PAUSE
 
 
-def _mesh_beside(other: Held, known: Known) -> Parts:
+def _nearby_mesh(other: ObjectHandle, known: Known) -> Parts:
     obj = other.get()
     before = known.meshes.get(other.uid)
     place = matrix_of(obj.evaluated_get(evaluated()))
@@ -154,13 +158,17 @@ def _mesh_beside(other: Held, known: Known) -> Parts:
 
 
 def _target_parts(
-    found: Beside, density: DensitySettings, surface: Held, own: Held | None, known: Known
+    found: Nearby,
+    density: DensitySettings,
+    surface: ObjectHandle,
+    own: ObjectHandle | None,
+    known: Known,
 ) -> Parts:
     """Read what a distance is measured to."""
-    for other in [Held(one) for one in targets_of(density, surface.get(), _object(own))]:
+    for other in [ObjectHandle(one) for one in targets_of(density, surface.get(), _object(own))]:
         lines = read_lines(other.get(), evaluated(), known.scatters)
         if lines is None:
-            found.targets.append((yield from _mesh_beside(other, known)))
+            found.targets.append((yield from _nearby_mesh(other, known)))
         else:
             found.lines.append(lines)
         yield PAUSE
@@ -171,9 +179,9 @@ def read_around(
     settings: Settings, obj: bpy.types.Object, own: bpy.types.Object | None
 ) -> Surroundings:
     """What these settings take from beside a surface, for a scatter."""
-    surface, scatter = Held(obj), Held(own) if own is not None else None
+    surface, scatter = ObjectHandle(obj), ObjectHandle(own) if own is not None else None
     mesh = run_now(mesh_parts(surface, shaded=False)) if settings.density.image else None
-    found = run_now(parts_beside(settings.density, surface, scatter, mesh, Known()))
+    found = run_now(nearby_parts(settings.density, surface, scatter, mesh, Known()))
     around: Surroundings = found.surroundings()
     return around if mesh is None else surface_of_raw(mesh, (), around, found.uv).around
 

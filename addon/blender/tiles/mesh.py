@@ -15,9 +15,9 @@ from ...nodes import set_input, tiles
 from ...nodes.builder import ensure
 from ..base.mesh_arrays import read_points, to_local, write_columns
 from ..base.quiet import quiet
-from ..scatter.library import open_collections, read_only
+from ..scatter.linked_data import open_collections, read_only
 from ..scatter.object import is_scatter
-from ..surface.bound import rest_of
+from ..surface.current_binding import rest_of
 
 COLOR = "Color"
 _FACE_ATTRIBUTES = {"cell": "cells", "dapple_object_type": "classes"}
@@ -70,12 +70,12 @@ def _own_object(obj: bpy.types.Object) -> bpy.types.Object:
     if made is None or not made.users_collection:  # it was deleted, only its user count is left
         name = f"{obj.name} Tiles"
         made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-        _put_beside(obj, made)
+        _assign_tiles(obj, made)
     elif read_only(made) or _others(obj, made):
         mesh = made.data.copy()
         made = made.copy()
         made.data = mesh
-        _put_beside(obj, made)
+        _assign_tiles(obj, made)
     elif made.data.library is not None:
         made.data = made.data.copy()
     return made
@@ -87,7 +87,7 @@ def _others(obj: bpy.types.Object, made: bpy.types.Object) -> bool:
     return any(one.dapple.tiles.object == made for one in scatters)
 
 
-def _put_beside(obj: bpy.types.Object, made: bpy.types.Object) -> None:
+def _assign_tiles(obj: bpy.types.Object, made: bpy.types.Object) -> None:
     """Have a scatter own an object for its tiles, which moves with the surface."""
     surface = obj.dapple.surface
     for collection in open_collections(obj) or [bpy.context.scene.collection]:
@@ -118,7 +118,7 @@ def _material() -> bpy.types.Material:
     return made
 
 
-def have_follow(
+def attach_tiles(
     obj: bpy.types.Object, made: bpy.types.Object, arrays: SurfaceArrays, binding: Binding
 ) -> None:
     """Have the tiles of a scatter follow its surface, on which their vertices are bound.

@@ -9,16 +9,16 @@ import numpy as np
 from ...core.base.steps import Steps, Task
 from ...core.tiles import tiled
 from ..base.all_or_nothing import all_or_nothing
-from ..base.object_handles import Held
+from ..base.object_handles import ObjectHandle
 from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, StepsOperator
-from ..base.translation import reported
+from ..base.translation import translated_report
 from ..freshness.concurrent_edits import check_points_kept, points_now
 from ..scatter.object import surface_of, tile_settings_of
-from ..surface.bound import current_binding
+from ..surface.current_binding import current_binding
 from ..surface.polls import ready
 from ..surface.reading import as_read, read
-from .mesh import check_tile_object, have_follow, write_tiles
+from .mesh import attach_tiles, check_tile_object, write_tiles
 
 
 class DAPPLE_OT_make_tiles(StepsOperator, bpy.types.Operator):
@@ -44,9 +44,9 @@ class DAPPLE_OT_make_tiles(StepsOperator, bpy.types.Operator):
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
         made, tiles = result
         count = len(np.unique(tiles.cells))
-        text = reported("'{name}': {count:,} tiles", name=made.name, count=count)
+        text = translated_report("'{name}': {count:,} tiles", name=made.name, count=count)
         if tiles.lost:
-            text = reported(
+            text = translated_report(
                 "{tiles}, {lost:,} were narrower than the grout", tiles=text, lost=tiles.lost
             )
         return Outcome(obj, [("WARNING" if tiles.lost else "INFO", text)])
@@ -54,19 +54,19 @@ class DAPPLE_OT_make_tiles(StepsOperator, bpy.types.Operator):
 
 def tile_steps(context: bpy.types.Context) -> Steps:
     """The active scatter's cells on the surface of this frame; returns the object and the Tiles."""
-    held, surface = Held(context.object), Held(surface_of(context.object))
+    handle, surface = ObjectHandle(context.object), ObjectHandle(surface_of(context.object))
     check_tile_object(context.object)
     before, arrays = points_now(context.object), read(surface.get())
     binding, columns = current_binding(context.object, surface.get(), arrays)
     settings, seed = tile_settings_of(context.object), context.object.dapple.seed
     tiles = yield Task(lambda worker: tiled(arrays, binding, columns, settings, seed, worker))
-    obj = held.get()
+    obj = handle.get()
     check_points_kept(obj, before, "cut into tiles")
     check_tile_object(obj)
     made = [*filter(None, [obj.dapple.tiles.object])]
     with as_read(arrays, surface), all_or_nothing(bpy.context, [obj, *made]):
         made_of = write_tiles(obj, tiles)
-        have_follow(obj, made_of, arrays, tiles.binding)
+        attach_tiles(obj, made_of, arrays, tiles.binding)
         return made_of, tiles
 
 

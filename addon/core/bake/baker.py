@@ -19,10 +19,10 @@ from ..surface.binding import placed_of, rebound, samples_of
 from ..surface.frames import carried, shading
 from ..surface.records import Binding, Placed
 from ..surface.rest import Shape, rebound_at_rest
-from .grounds import Grounds
 from .keys import Baked, Keyframes
-from .lean import Leaning
+from .masked_surfaces import MaskedSurfaces
 from .sidecar import Fingerprint, Sidecar, Solved
+from .tilt import TiltTracker
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Baker:
 
     remedy = REATTACH  # where the topology changes and must not
     at_seam = True  # bind anew just when the topology changes, between two frames
-    is_bare = False  # whether the last frame had no faces, so that there are no points to go on
+    is_empty = False  # whether the last frame had no faces, so that there are no points to go on
 
     bound: SurfaceArrays  # where the current topology begins
     start: Start
@@ -58,7 +58,7 @@ class Baker:
     taken: int = 0  # frames that came from the sidecar
     trouble: str = ""  # why frames are not kept
     fingerprint: str = ""  # of all frames so far
-    anew: str = ""  # why the points were optimized anew first
+    reoptimized_reason: str = ""  # why the points were optimized anew first
 
     def __post_init__(self) -> None:
         start = self.start
@@ -68,13 +68,13 @@ class Baker:
         self.begin, self.first_surface = start.binding, self.bound  # as the points are stored
         self.topologies = [self.bound.topology]
         self.last = start.binding
-        self.leaning = Leaning()
+        self.tilts = TiltTracker()
         self._shape: Shape | None = None  # of the topology, where points are bound to its rest
         self.tracker: Any = None
-        self.grounds = Grounds(self.bound, start.settings)
+        self.masked_surfaces = MaskedSurfaces(self.bound, start.settings)
         self._stands_on: Any = None  # the ground of the tracker
         self._begun = 0  # frames before the topology begins
-        self._laid_for = -1  # frames before the density is another
+        self._density_since = -1  # frames before the density is another
         self._tracked = 0  # frames after which the tracker stands
         self._solved: Solved  # the last frame that is done, and its vertices
         self._vertices: Floats
@@ -102,13 +102,13 @@ class Baker:
         for, and with a rest shape of any moments.
         """
         before = replace(before, faces=self.bound.faces, loops=self.bound.loops)
-        last, leaning, self.leaning = self.last, self.leaning, Leaning()
+        last, tilts, self.tilts = self.last, self.tilts, TiltTracker()
         if after.rest is None:
             with named(after.name):
                 self.last = rebound(last, before, after)
             if self.at_seam:
-                leaning.cross(last, before, self.last, after)
-                self.leaning = leaning
+                tilts.cross(last, before, self.last, after)
+                self.tilts = tilts
         else:
             after = replace(after, rest_parts=self.bound.rest_parts)
             before = replace(self.bound, vertices=before.vertices, normals=before.normals)
@@ -117,8 +117,8 @@ class Baker:
         self._note_bound(after)
         self.start = replace(self.start, binding=self.last)
         self.bound, self._tracked, self._shape = after, self.done, None
-        self.grounds.begin(after)
-        self._begun = self._laid_for = self.done
+        self.masked_surfaces.begin(after)
+        self._begun = self._density_since = self.done
         self.topologies.append(after.topology)
 
     def _note_bound(self, bound: SurfaceArrays) -> None:
@@ -138,11 +138,11 @@ class Baker:
         self._now = frame
         self.fingerprint = self._chain.add(frame)
         if self.follows:
-            laid = self.grounds.laid
-            for array in self.grounds.follow(frame):
+            laid = self.masked_surfaces.laid
+            for array in self.masked_surfaces.follow(frame):
                 self._chain.note_array(array)
-            if laid is not self.grounds.laid:
-                self._laid_for = self.done
+            if laid is not self.masked_surfaces.laid:
+                self._density_since = self.done
                 self._chain.note("followed")
                 self.fingerprint = self._chain.now()
 
@@ -168,11 +168,11 @@ class Baker:
     def advance(self, context: Any) -> None:
         """Solve the frame."""
         with named(self.bound.name):
-            tracker, ground = self._ready_tracker()
-            samples = tracker.advance(ground.vertices(self._now.vertices), context=context)
+            tracker, masked = self._ready_tracker()
+            samples = tracker.advance(masked.vertices(self._now.vertices), context=context)
         # What is stored leads back to cut faces but for rounding: the tracker is put there too.
-        self._tracked = -1 if ground.is_cut else self.done + 1
-        solved = self._solved_of(ground.to_original(samples), tracker.settled)
+        self._tracked = -1 if masked.is_cut else self.done + 1
+        solved = self._solved_of(masked.to_original(samples), tracker.settled)
         self._keep(solved, self.first + self.done, self.fingerprint)
         self._add(solved)
 
@@ -212,15 +212,15 @@ class Baker:
         """The tracker, at the last frame that is done, and the ground that it stands on."""
         if self.tracker is None:
             self.tracker = self._new_tracker()
-        ground = self.grounds.now
-        if ground is not self._stands_on:
-            self._go_over_to(ground)
-        if self._tracked < self.done and self._laid_for < self.done:
-            vertices = ground.vertices(self._vertices)
-            samples = self._there(ground, self._solved)
+        masked = self.masked_surfaces.now
+        if masked is not self._stands_on:
+            self._go_over_to(masked)
+        if self._tracked < self.done and self._density_since < self.done:
+            vertices = masked.vertices(self._vertices)
+            samples = self._there(masked, self._solved)
             self.tracker.resume(vertices, samples, settled=self._solved.settled)
         self._tracked = self.done
-        return self.tracker, ground
+        return self.tracker, masked
 
     @property
     def _topology_begins(self) -> bool:
@@ -230,52 +230,52 @@ class Baker:
     def _new_tracker(self) -> Any:
         """At the start of the bake: every frame is to be as even as that."""
         start = self.start
-        ground = self.grounds.of(self.first_surface, self.first_surface)
-        samples = samples_of(self.begin, ground.original, start.ids, start.classes)
-        self._stands_on = ground
-        return tracked(ground, ground.from_original(samples), start.settings)
+        masked = self.masked_surfaces.of(self.first_surface, self.first_surface)
+        samples = samples_of(self.begin, masked.original, start.ids, start.classes)
+        self._stands_on = masked
+        return tracked(masked, masked.from_original(samples), start.settings)
 
     def _begin(self) -> Any:
         """Samples on the ground where the topology begins."""
-        self._stands_on = self.grounds.first
+        self._stands_on = self.masked_surfaces.first
         return self._started(self._stands_on)
 
-    def _started(self, ground: Any) -> Any:
+    def _started(self, masked: Any) -> Any:
         """Samples as the topology begins, on a ground of its faces."""
         start = self.start
-        return ground.from_original(
-            samples_of(start.binding, ground.original, start.ids, start.classes)
+        return masked.from_original(
+            samples_of(start.binding, masked.original, start.ids, start.classes)
         )
 
-    def _go_over_to(self, ground: Any) -> None:
+    def _go_over_to(self, masked: Any) -> None:
         """Take the tracker to another ground, on the last frame."""
-        samples = started = self._started(ground)
+        samples = started = self._started(masked)
         vertices = self.bound.vertices
         if self.done > self._begun:
-            samples, vertices = self._there(ground, self._solved), self._vertices
+            samples, vertices = self._there(masked, self._solved), self._vertices
         settings = self.start.settings
         crossed = self._topology_begins
-        resumed_on(self.tracker, ground, vertices, (samples, started), settings, crossed)
-        self._stands_on = ground
+        resumed_on(self.tracker, masked, vertices, (samples, started), settings, crossed)
+        self._stands_on = masked
 
     def _solved_of(self, samples: Any, settled: bool) -> Solved:
         """Samples of the frame, turned as the last frame's were."""
         vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
         placed = placed_of(samples, self.bound)
         turned = carried(self.last, placed.binding, vertices, normals)
-        lean = self.leaning.next(self.last, turned, vertices, normals)
-        doubled = self.grounds.first.original.doubled_faces
+        tilt = self.tilts.next(self.last, turned, vertices, normals)
+        doubled = self.masked_surfaces.first.original.doubled_faces
         report = replace(report_of(samples.report), doubled_faces=doubled)
-        return Solved(Placed(placed.faces, turned, lean=lean), report, settled)
+        return Solved(Placed(placed.faces, turned, tilt=tilt), report, settled)
 
-    def _there(self, ground: Any, solved: Solved) -> Any:
+    def _there(self, masked: Any, solved: Solved) -> Any:
         """Samples of a solved frame on a ground, to the last bit."""
         placed, start = solved.placed, self.start
         weights = placed.binding.barycentric
         samples = package().Samples(
-            ground.original, placed.faces, weights, ids=start.ids, classes=start.classes
+            masked.original, placed.faces, weights, ids=start.ids, classes=start.classes
         )
-        return ground.from_original(samples)
+        return masked.from_original(samples)
 
     def _keep(self, solved: Solved, number: int, fingerprint: str, *, ahead: bool = False) -> None:
         """Keep a frame of the scene, so that a bake that is stopped can go on."""
@@ -292,8 +292,8 @@ class Baker:
         if self.bound.rest is None:
             return
         binding = placed.binding
-        if placed.gone is not None:
-            binding = binding.rows_at(placed.gone < 1.0)
+        if placed.faded is not None:
+            binding = binding.rows_at(placed.faded < 1.0)
         if self._shape is None:
             self._shape = Shape(self.bound)
         other = self._shape.elsewhere(binding, self._now.vertices)
@@ -312,8 +312,8 @@ class Baker:
         self.reports.append(solved.report)
         spacing = solved.report.spacing
         normals = shading(self._now, self.bound.faces)
-        self.leaning.add(solved.placed.lean, self._vertices, normals, spacing)
+        self.tilts.add(solved.placed.tilt, self._vertices, normals, spacing)
         placed = solved.placed
         if self.fits:
-            placed = self.grounds.with_room(placed, self._vertices, self.classes)
+            placed = self.masked_surfaces.with_clearance(placed, self._vertices, self.classes)
         self.keyframes.add(placed, self.bound, self._now, spacing)

@@ -25,8 +25,8 @@ class Baked:
     """Packed keys, ready to be stored; columns named as in records.py."""
 
     keys: Columns  # dapple_face of each row, and as its position: barycentrics 1 and 2, angle;
-    # dapple_gone where points appear or vanish, dapple_lean where some lean, dapple_room where
-    # instances are fitted to it
+    # dapple_faded where points appear or vanish, dapple_tilt where instances lean, dapple_clearance
+    # where instances are fitted to it
     triangles: Columns  # TRIANGLE_ATTRIBUTES, and where the points are bound to the rest shape
     # REST_TRIANGLE_ATTRIBUTES
     frames: Columns  # FRAME_ATTRIBUTES of each frame
@@ -49,10 +49,10 @@ class Baked:
     def there(self, frame: int, count: int) -> NDArray[np.bool_]:
         """Which of count points are there in a frame, or on the way."""
         key, span = (int(self.frames[f"dapple_{name}"][frame]) for name in ("key", "span"))
-        if "dapple_gone" not in self.keys:
+        if "dapple_faded" not in self.keys:
             return np.ones(count, dtype=bool)
-        gone = self.keys["dapple_gone"].reshape(-1, count)
-        found: NDArray[np.bool_] = np.minimum(gone[key], gone[key + min(span, 1)]) < 1.0
+        faded = self.keys["dapple_faded"].reshape(-1, count)
+        found: NDArray[np.bool_] = np.minimum(faded[key], faded[key + min(span, 1)]) < 1.0
         return found
 
     def _key(self, key: int, count: int) -> Binding:
@@ -130,13 +130,13 @@ class Keyframes:
     _topology: str = ""
     last: tuple[int, Binding] | None = None  # frame of the newest key, and its binding
     _waiting: list[_Waiting] = field(default_factory=list)
-    _bare: bool = False  # whether no point was there on the last frame
+    _empty: bool = False  # whether no point was there on the last frame
     _triangles: list[Ints] = field(default_factory=list)
     _rest: list[Columns] = field(default_factory=list)  # of the triangles; empty: none is known
     _rows: list[tuple[Ints, Any]] = field(default_factory=list)
-    _gone: list[Floats | None] = field(default_factory=list)
-    _lean: list[Floats | None] = field(default_factory=list)
-    _room: list[Floats | None] = field(default_factory=list)
+    _faded: list[Floats | None] = field(default_factory=list)
+    _tilt: list[Floats | None] = field(default_factory=list)
+    _clearance: list[Floats | None] = field(default_factory=list)
     _sketches: list[Floats] = field(default_factory=list)
     _table: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
     _packed: Baked | None = None
@@ -148,7 +148,7 @@ class Keyframes:
         self, placed: Placed, bound: SurfaceArrays, surface: SurfaceArrays, spacing: float
     ) -> None:
         """The next frame: bound is the first frame of its topology, surface its own."""
-        if bound.topology != self._topology or self._bare:
+        if bound.topology != self._topology or self._empty:
             self._begin(bound)
         frame = self._enter(surface)
         if (frame - self._start) % self.every == 0 or frame == self.count - 1:
@@ -156,7 +156,7 @@ class Keyframes:
         else:
             self._waiting.append(_Waiting(frame, placed, surface.vertices, spacing))
 
-    def add_bare(self, placed: Placed, bound: SurfaceArrays, surface: SurfaceArrays) -> None:
+    def add_empty(self, placed: Placed, bound: SurfaceArrays, surface: SurfaceArrays) -> None:
         """The next frame, whose surface has no faces: all rows, on the faces of bound, are gone.
 
         Frames without faces that follow each other are one key, which is mixed with no other.
@@ -165,11 +165,11 @@ class Keyframes:
             self._begin(bound)
         frame = self._enter(replace(surface, vertices=np.empty((0, 3))))
         self._table[frame, 3] = len(surface.vertices)
-        if self._bare:
+        if self._empty:
             self._table[frame, :3] = len(self._rows) - 1, 0, 0
             return
         self._end_topology()
-        self.last, self._bare = None, True
+        self.last, self._empty = None, True
         self._add_key(frame, placed)
         self.last = None
 
@@ -214,31 +214,31 @@ class Keyframes:
             "dapple_face": np.empty(count, dtype=np.int32),
             "position": np.empty((count, 3), dtype=np.float32),
         }
-        if any(gone is not None for gone in self._gone):
-            keys["dapple_gone"] = np.zeros(count, dtype=np.float32)
-        if any(lean is not None for lean in self._lean):
-            keys["dapple_lean"] = np.zeros((count, 3), dtype=np.float32)
-        if any(room is not None for room in self._room):
-            keys["dapple_room"] = np.zeros(count, dtype=np.float32)
+        if any(faded is not None for faded in self._faded):
+            keys["dapple_faded"] = np.zeros(count, dtype=np.float32)
+        if any(tilt is not None for tilt in self._tilt):
+            keys["dapple_tilt"] = np.zeros((count, 3), dtype=np.float32)
+        if any(clearance is not None for clearance in self._clearance):
+            keys["dapple_clearance"] = np.zeros(count, dtype=np.float32)
         at = 0
-        for faces, places, gone, lean, room in self._taken():
+        for faces, places, faded, tilt, clearance in self._taken():
             rows = slice(at, at + len(faces))
             keys["dapple_face"][rows], keys["position"][rows] = place[faces], places
-            if gone is not None:
-                keys["dapple_gone"][rows] = gone
-            if lean is not None:  # of points that appear later none leans
-                keys["dapple_lean"][rows][: len(lean)] = lean
-            if room is not None:
-                keys["dapple_room"][rows][: len(room)] = room
+            if faded is not None:
+                keys["dapple_faded"][rows] = faded
+            if tilt is not None:  # of points that appear later none leans
+                keys["dapple_tilt"][rows][: len(tilt)] = tilt
+            if clearance is not None:
+                keys["dapple_clearance"][rows][: len(clearance)] = clearance
             at += len(faces)
         return keys
 
     def _taken(self) -> Iterator[tuple[Ints, Any, Floats | None, Floats | None, Floats | None]]:
         """The rows of each key, which are not kept."""
-        for store in (self._rows, self._gone, self._lean, self._room):
+        for store in (self._rows, self._faded, self._tilt, self._clearance):
             store.reverse()
         while self._rows:
-            yield *self._rows.pop(), self._gone.pop(), self._lean.pop(), self._room.pop()
+            yield *self._rows.pop(), self._faded.pop(), self._tilt.pop(), self._clearance.pop()
 
     def _packed_triangles(self, triangles: Ints, used: NDArray[np.bool_]) -> Columns:
         columns: Columns = dict(zip(TRIANGLE_ATTRIBUTES, triangles[used].T.copy(), strict=True))
@@ -252,13 +252,13 @@ class Keyframes:
             own, later = self._rows[key], self._rows_after(key)
             more = len(later[0])
             if more:
-                gone = self._gone[key]
-                assert gone is not None
+                faded = self._faded[key]
+                assert faded is not None
                 self._rows[key] = (
                     np.concatenate([own[0], later[0]]),
                     np.concatenate([own[1], later[1]]),
                 )
-                self._gone[key] = np.concatenate([gone, np.ones(more, dtype=np.float32)])
+                self._faded[key] = np.concatenate([faded, np.ones(more, dtype=np.float32)])
 
     def _rows_after(self, key: int) -> tuple[Ints, Any]:
         """Where points will appear; on faces that are not there yet, as many like the first row."""
@@ -277,7 +277,7 @@ class Keyframes:
     def _begin(self, bound: SurfaceArrays) -> None:
         self._end_topology()
         self._drop_unused()
-        self._bare = False
+        self._empty = False
         self._offset = sum(map(len, self._triangles))
         self._first_rows.append(len(self._rows))
         self._triangles.append(np.column_stack([bound.faces, bound.face_corners]))
@@ -314,11 +314,11 @@ class Keyframes:
                 self.error.add(_distances(waiting, binding, placed.binding, share))
         self._waiting.clear()
         self.last = frame, placed.binding
-        places = np.column_stack([placed.binding.barycentric[:, 1:], placed.binding.carry])
+        places = np.column_stack([placed.binding.barycentric[:, 1:], placed.binding.angle])
         self._rows.append((placed.faces + np.int32(self._offset), places.astype(np.float32)))
-        self._gone.append(_single(placed.gone))
-        self._lean.append(_single(placed.lean))
-        self._room.append(_single(placed.room))
+        self._faded.append(_single(placed.faded))
+        self._tilt.append(_single(placed.tilt))
+        self._clearance.append(_single(placed.clearance))
 
 
 def _rest_of(bound: SurfaceArrays) -> Columns:
@@ -335,9 +335,9 @@ def _single(values: Floats | None) -> Any:
     return None if values is None else values.astype(np.float32)
 
 
-def padded(leans: Floats, count: int) -> Floats:
+def padded(tilts: Floats, count: int) -> Floats:
     """Leans (k, 3) and as many of none as make them so many: of points that appear later."""
-    found: Floats = np.concatenate([leans, np.zeros((count - len(leans), 3))])
+    found: Floats = np.concatenate([tilts, np.zeros((count - len(tilts), 3))])
     return found
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..base.errors import ScatterError
 from ..base.native import named, package
-from ..density.ground import Ground, ground_of
+from ..density.masked_surface import MaskedSurface, masked_surface_of
 from ..solve.class_counts import of_classes, sampled
 from ..solve.solve import Report, point_columns, report_of
 from ..surface.arrays import Floats, Ints, SurfaceArrays
@@ -22,8 +22,8 @@ from ..surface.binding import attached_to, faces_with_corners, samples_of
 from ..surface.frames import carried, shading
 from ..surface.records import Binding, Columns, Placed, joined
 from .baker import Baker
-from .lean import Leaning
 from .sidecar import Solved
+from .tilt import TiltTracker
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Born:
 
 
 @dataclass(frozen=True)
-class _There:
+class _FramePoints:
     """Points of a frame, on the faces of its topology: those that stay, then those that vanish."""
 
     ids: Ints
@@ -65,14 +65,14 @@ class PopulationBaker(Baker):
         self.ids = np.asarray(self.start.ids, dtype=np.int32)
         self._population: Any = None
         self._stands = 0  # frames after which the population stands
-        self._ground_then: Ground | None = None  # of the last frame, its density and points
+        self._masked_then: MaskedSurface | None = None  # of the last frame, its density and points
         self._bound_then = self._laid_then = self.bound
-        self._there_then: _There
+        self._there_then: _FramePoints
         self._state: Columns = {}
         self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far
         self._births: list[tuple[Binding, Floats, Ints]] = []  # places and classes
-        self._begins_anew = False  # on the next frame, behind frames without faces
-        self._began: tuple[SurfaceArrays, _There] | None = None  # where it last has, so
+        self._restarts = False  # on the next frame, behind frames without faces
+        self._began: tuple[SurfaceArrays, _FramePoints] | None = None  # where it last has, so
 
     def vanish(self, frame: SurfaceArrays) -> None:
         """The next frame, which has no faces: no point is there."""
@@ -82,25 +82,25 @@ class PopulationBaker(Baker):
         self._keep(kept, self.first + self.done, self.fingerprint)
         faces = self._faces if len(self._faces) else np.zeros(len(self.ids), dtype=np.int32)
         rows = Placed(faces, self.last, np.ones(len(self.ids)))
-        self.keyframes.add_bare(rows, self.bound, frame)
+        self.keyframes.add_empty(rows, self.bound, frame)
         self.reports.append(kept.report)
         self.topologies.append(frame.topology)
-        self.is_bare = True
+        self.is_empty = True
         if not len(self._faces):  # the points of the start are yet to come
             self._stands = self.done
 
     def appear(self, bound: SurfaceArrays) -> None:
         """Faces come back, on which other points appear; the previous ones stay gone."""
-        self.is_bare = False
+        self.is_empty = False
         if not len(self._faces):
             return
         bound = replace(bound, rest_parts=self.bound.rest_parts)
         self._note_bound(bound)
-        self.bound, self._begins_anew, self._shape = bound, True, None
-        self.grounds.begin(bound)
+        self.bound, self._restarts, self._shape = bound, True, None
+        self.masked_surfaces.begin(bound)
         self._faces = np.full(len(self.ids), _largest_face(bound), dtype=np.int32)
         middle = np.full((len(self.ids), 3), 1.0 / 3.0)
-        self.last, self.leaning = attached_to(bound, self._faces, middle), Leaning()
+        self.last, self.tilts = attached_to(bound, self._faces, middle), TiltTracker()
         self.topologies.append(bound.topology)
 
     def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
@@ -114,12 +114,12 @@ class PopulationBaker(Baker):
             return False
         number = self.first + self.done
         kept = self.sidecar.load(number, self.fingerprint, None, self.bound)
-        there = None if kept is None else _there_of(kept)
+        there = None if kept is None else _points_of(kept)
         if kept is None or there is None:
             return False
         self.taken += 1
-        self._ground_then = None
-        if self._begins_anew:
+        self._masked_then = None
+        if self._restarts:
             self._population, self._stands = None, -1
         self._note(there, kept)
         return True
@@ -128,52 +128,54 @@ class PopulationBaker(Baker):
         """Solve the frame."""
         with named(self.bound.name):
             samples, report = self._next(context)
-            now = self.grounds.now.to_original(samples)
-        there = _There(now.ids, now.classes, now.faces, now.barycentric, now.fade)
+            now = self.masked_surfaces.now.to_original(samples)
+        there = _FramePoints(now.ids, now.classes, now.faces, now.barycentric, now.fade)
         kept = self._kept(there, report_of(report), self._population.state)
         self._keep(kept, self.first + self.done, self.fingerprint)
         # What is stored leads back to cut faces but for rounding: the population is put there too.
-        self._stands = -1 if self.grounds.now.is_cut else self.done + 1
-        self._ground_then = self.grounds.now
+        self._stands = -1 if self.masked_surfaces.now.is_cut else self.done + 1
+        self._masked_then = self.masked_surfaces.now
         self._note(there, kept)
 
-    def _kept(self, there: _There, report: Report, state: Columns) -> Solved:
+    def _kept(self, there: _FramePoints, report: Report, state: Columns) -> Solved:
         faces = np.asarray(there.faces, dtype=np.int32)
         binding = attached_to(self.bound, faces, there.barycentric)
         more = {**state, "ids": there.ids, "classes": there.classes}
         return Solved(Placed(faces, binding), report, bool(state["settled"]), more)
 
-    def _note(self, there: _There, kept: Solved) -> None:
+    def _note(self, there: _FramePoints, kept: Solved) -> None:
         """The frame is done."""
         self._there_then, self._state = there, kept.more
-        self._bound_then, self._laid_then = self.bound, self.grounds.laid
-        if self._begins_anew:
-            self._begins_anew, self._began = False, (self.bound, there)
+        self._bound_then, self._laid_then = self.bound, self.masked_surfaces.laid
+        if self._restarts:
+            self._restarts, self._began = False, (self.bound, there)
         self._add(Solved(self._rows(there), kept.report))
 
     def _next(self, context: Any) -> tuple[Any, Any]:
         """dapple.Samples of the next frame, and their dapple.Report."""
-        if self._begins_anew:
-            return self._begun_anew(context)
+        if self._restarts:
+            return self._restarted(context)
         samples = self._ready().advance(self._surface(), context=context)
         return samples, samples.report
 
-    def _begun_anew(self, context: Any) -> tuple[Any, Any]:
+    def _restarted(self, context: Any) -> tuple[Any, Any]:
         """Points at the previous density, all of which begin to appear."""
         surface = self._surface()
         density, first = float(self._state["densities"][0]), int(self._state["next_id"])
         count = max(1, round(density * surface.capacity))
-        asked = replace(self.start.settings, count=count, per_area=0.0)
-        asked = replace(asked, seed=asked.seed + first)
-        found = sampled(self.grounds.now, asked, context)
+        requested = replace(self.start.settings, count=count, per_area=0.0)
+        requested = replace(requested, seed=requested.seed + first)
+        found = sampled(self.masked_surfaces.now, requested, context)
         ids = np.arange(first, first + count, dtype=np.int32)
-        ground = self.grounds.now  # through what is stored, as a bake that goes on finds them
-        kept = ground.to_original(
+        masked = (
+            self.masked_surfaces.now
+        )  # through what is stored, as a bake that goes on finds them
+        kept = masked.to_original(
             package().Samples(surface, found.faces, found.barycentric, ids=ids)
         )
-        stored = package().Samples(ground.original, kept.faces, kept.barycentric, ids=ids)
-        samples = ground.from_original(stored)
-        self._population = self._population_of(self.grounds.now, samples)
+        stored = package().Samples(masked.original, kept.faces, kept.barycentric, ids=ids)
+        samples = masked.from_original(stored)
+        self._population = self._population_of(self.masked_surfaces.now, samples)
         begun = {"fades": np.full(count, 1.0 / self.fade), "densities": np.array([density])}
         state = self._population.state | begun
         self._population.resume(surface, self._population.samples, state)
@@ -184,10 +186,10 @@ class PopulationBaker(Baker):
         if self._population is None:
             self._population = self._new_population()
         if self._stands < self.done:
-            ground = self._ground_then or self.grounds.of(self._laid_then, self._bound_then)
-            self._stands_on = ground
-            there = ground.from_original(_samples(ground, self._there_then))
-            surface = ground.surface.deformed(ground.vertices(self._vertices))
+            masked = self._masked_then or self.masked_surfaces.of(self._laid_then, self._bound_then)
+            self._stands_on = masked
+            there = masked.from_original(_samples(masked, self._there_then))
+            surface = masked.surface.deformed(masked.vertices(self._vertices))
             who = {"ids": there.ids, "classes": there.classes}
             points = package().Samples(surface, there.faces, there.barycentric, **who)
             self._population.resume(surface, points, self._state)
@@ -198,27 +200,27 @@ class PopulationBaker(Baker):
         """At the start of the bake, or where points have appeared behind frames without faces."""
         if self._began is not None:
             bound, there = self._began
-            ground = ground_of(bound, self.start.settings)
-            return self._population_of(ground, ground.from_original(_samples(ground, there)))
-        ground, start = self.grounds.of(self.first_surface, self.first_surface), self.start
-        samples = samples_of(self.begin, ground.original, start.ids, start.classes)
+            masked = masked_surface_of(bound, self.start.settings)
+            return self._population_of(masked, masked.from_original(_samples(masked, there)))
+        masked, start = self.masked_surfaces.of(self.first_surface, self.first_surface), self.start
+        samples = samples_of(self.begin, masked.original, start.ids, start.classes)
         if self._laid_then is self.first_surface:
-            self._ground_then = ground
-        self._stands_on = ground
-        return self._population_of(ground, ground.from_original(samples))
+            self._masked_then = masked
+        self._stands_on = masked
+        return self._population_of(masked, masked.from_original(samples))
 
-    def _population_of(self, ground: Ground, samples: Any) -> Any:
+    def _population_of(self, masked: MaskedSurface, samples: Any) -> Any:
         settings = self.start.settings
-        options = settings.tracker_options() | of_classes(ground, samples, settings)
-        return package().Population(ground.surface, samples, fade=self.fade, **options)
+        options = settings.tracker_options() | of_classes(masked, samples, settings)
+        return package().Population(masked.surface, samples, fade=self.fade, **options)
 
     def _surface(self) -> Any:
         """Vertices of the ground in the frame, or a dapple.Surface where its faces are others."""
-        ground = self.grounds.now
-        if ground is self._stands_on:
-            return ground.vertices(self._now.vertices)
-        self._stands_on = ground
-        return ground.surface
+        masked = self.masked_surfaces.now
+        if masked is self._stands_on:
+            return masked.vertices(self._now.vertices)
+        self._stands_on = masked
+        return masked.surface
 
     def born(self) -> Born | None:
         """The points that were not there at the start."""
@@ -238,9 +240,9 @@ class PopulationBaker(Baker):
         for one in self.ids[len(order) :].tolist():
             order[one] = len(order)
         rows = np.array([order[one] for one in samples.ids.tolist()], dtype=np.int64)
-        gone = np.ones(len(self.ids))
+        faded = np.ones(len(self.ids))
         faces, weights = self._faces.copy(), self.last.barycentric.copy()
-        faces[rows], weights[rows], gone[rows] = (
+        faces[rows], weights[rows], faded[rows] = (
             samples.faces,
             samples.barycentric,
             1.0 - samples.fade,
@@ -249,7 +251,7 @@ class PopulationBaker(Baker):
         after = attached_to(self.bound, faces, weights)
         vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
         turned = carried(self.last, after, vertices, normals)
-        return Placed(faces, turned, gone, self.leaning.next(self.last, turned, vertices, normals))
+        return Placed(faces, turned, faded, self.tilts.next(self.last, turned, vertices, normals))
 
     @property
     def classes(self) -> Ints:
@@ -273,20 +275,20 @@ class PopulationBaker(Baker):
         self.last = joined([self.last, binding])
 
 
-def _there_of(kept: Solved) -> _There | None:
+def _points_of(kept: Solved) -> _FramePoints | None:
     """The points of a file, if it is one of a population."""
     more, placed = kept.more, kept.placed
     for name, kind in {"ids": "i4", "classes": "i4", "fades": "f8"}.items():
         if name not in more or more[name].dtype != kind or more[name].shape != placed.faces.shape:
             return None
     weights = placed.binding.barycentric
-    return _There(more["ids"], more["classes"], placed.faces, weights, more["fades"])
+    return _FramePoints(more["ids"], more["classes"], placed.faces, weights, more["fades"])
 
 
-def _samples(ground: Ground, there: _There) -> Any:
+def _samples(masked: MaskedSurface, there: _FramePoints) -> Any:
     """dapple.Samples of the faces that were read."""
     who = {"ids": there.ids, "classes": there.classes}
-    return package().Samples(ground.original, there.faces, there.barycentric, **who)
+    return package().Samples(masked.original, there.faces, there.barycentric, **who)
 
 
 def _largest_face(surface: SurfaceArrays) -> int:

@@ -50,7 +50,7 @@ class Fingerprint:
         version = package().__version__
         head = json.dumps([FORMAT, version, asdict(settings)], sort_keys=True)
         self._digest = hashlib.blake2b(head.encode(), digest_size=16)
-        for array in (start.corners, start.barycentric, start.carry, *arrays):
+        for array in (start.corners, start.barycentric, start.angle, *arrays):
             self._add(array)
 
     def note(self, text: str) -> None:
@@ -137,16 +137,16 @@ class Sidecar:
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.path(frame, ahead=ahead)
         part = path.with_suffix(f".{os.getpid()}.part")
-        lean = solved.placed.lean
+        tilt = solved.placed.tilt
         arrays: dict[str, Any] = {
             "fingerprint": np.array(fingerprint),
             "faces": solved.placed.faces,
             "barycentric": solved.placed.binding.barycentric,
-            "carry": solved.placed.binding.carry,
+            "angle": solved.placed.binding.angle,
             "report": np.array(json.dumps(asdict(solved.report))),
             "settled": np.array(solved.settled),
         }
-        arrays |= {} if lean is None else {"lean": lean}
+        arrays |= {} if tilt is None else {"tilt": tilt}
         arrays |= {_MORE + name: np.asarray(values) for name, values in solved.more.items()}
         packed = io.BytesIO()  # numpy leaves an archive on the disk open when a write fails
         np.savez(packed, digest=np.array(_digest(path, arrays)), **arrays)
@@ -193,10 +193,10 @@ def _checked(stored: dict[str, Any], points: int | None, surface: SurfaceArrays)
     wanted = {
         "faces": ("i4", (points,)),
         "barycentric": ("f8", (points, 3)),
-        "carry": ("f8", (points,)),
+        "angle": ("f8", (points,)),
     }
-    if "lean" in stored:
-        wanted["lean"] = ("f8", (points, 3))
+    if "tilt" in stored:
+        wanted["tilt"] = ("f8", (points, 3))
     for name, (kind, shape) in wanted.items():
         if stored[name].dtype != np.dtype(kind) or stored[name].shape != shape:
             raise ValueError(f"{name} has another type or shape")
@@ -205,9 +205,9 @@ def _checked(stored: dict[str, Any], points: int | None, surface: SurfaceArrays)
     if points and not 0 <= stored["faces"].min() <= stored["faces"].max() < len(surface.faces):
         raise ValueError("faces has an index out of range")
     binding = replace(
-        attached_to(surface, stored["faces"], stored["barycentric"]), carry=stored["carry"]
+        attached_to(surface, stored["faces"], stored["barycentric"]), angle=stored["angle"]
     )
     report = Report(**json.loads(str(stored["report"])))
-    placed = Placed(stored["faces"], binding, lean=stored.get("lean"))
+    placed = Placed(stored["faces"], binding, tilt=stored.get("tilt"))
     more = {name[len(_MORE) :]: stored[name] for name in stored if name.startswith(_MORE)}
     return Solved(placed, report, bool(stored["settled"]), more)

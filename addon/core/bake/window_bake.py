@@ -30,7 +30,7 @@ class _Held(NamedTuple):
 
 
 @dataclass
-class TogetherBaker(Baker):
+class WindowBaker(Baker):
     """Holds frames back until a piece of them is solved; finish() solves what is left."""
 
     closed: bool = False  # the last frame leads back to the first
@@ -92,7 +92,7 @@ class TogetherBaker(Baker):
             self._now = held.surface
             self._add(solved)
         self.taken += done
-        self._let_go(found[done:], done, fingerprint)
+        self._release(found[done:], done, fingerprint)
         return True
 
     def _solve(self, count: int, done: int, context: Any) -> None:
@@ -108,22 +108,22 @@ class TogetherBaker(Baker):
             solved = self._solved_of(samples[k], settled=True)
             self._keep(solved, begin + k, fingerprint)
             self._add(solved)
-        self._let_go(left, done, fingerprint)
+        self._release(left, done, fingerprint)
 
     def _samples_on(self, count: int, done: int, context: Any) -> list[Any]:
         """Samples of the frames of a piece, on the faces that were read."""
         with named(self.bound.name):
-            tracker, ground = self._ready_tracker()
-            frames = [ground.vertices(one.surface.vertices) for one in self.held[:count]]
+            tracker, masked = self._ready_tracker()
+            frames = [masked.vertices(one.surface.vertices) for one in self.held[:count]]
             found = tracker.advance(frames, done, context=context)
-            return [ground.to_original(one) for one in found]
+            return [masked.to_original(one) for one in found]
 
     def _piece(self, count: int, done: int) -> str:
         """Fingerprint of a piece."""
         begin, closes = len(self.reports), self.closed and done == count
         return f"{self.held[count - 1].fingerprint} {begin} {done} {count} {closes}"
 
-    def _let_go(self, ahead: list[Solved], done: int, fingerprint: str) -> None:
+    def _release(self, ahead: list[Solved], done: int, fingerprint: str) -> None:
         """Hold so many frames no more."""
         self._ahead, self.fingerprint = ahead, fingerprint
         del self.held[:done]
@@ -137,16 +137,16 @@ class TogetherBaker(Baker):
         """The tracker, at the last frame that is done, and the ground that it stands on."""
         if self.tracker is None:
             self.tracker = self._new_tracker()
-        ground = self.grounds.first  # what moves is not followed
+        masked = self.masked_surfaces.first  # what moves is not followed
         if self._tracked < len(self.reports):
-            vertices = ground.vertices(self._vertices)
-            ahead = [self._there(ground, one) for one in self._ahead]
-            self.tracker.resume(vertices, self._there(ground, self._solved), ahead)
-        return self.tracker, ground
+            vertices = masked.vertices(self._vertices)
+            ahead = [self._there(masked, one) for one in self._ahead]
+            self.tracker.resume(vertices, self._there(masked, self._solved), ahead)
+        return self.tracker, masked
 
     def _new_tracker(self) -> Any:
         samples, settings = self._begin(), self.start.settings
-        ground = self.grounds.first
-        options = settings.tracker_options() | of_classes(ground, samples, settings)
+        masked = self.masked_surfaces.first
+        options = settings.tracker_options() | of_classes(masked, samples, settings)
         options["stickiness"] = max(options["stickiness"], 1.0)
-        return package().WindowTracker(ground.surface, samples, closed=self.closed, **options)
+        return package().WindowTracker(masked.surface, samples, closed=self.closed, **options)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..base.native import named, package
 from ..settings.values import Settings
 from ..surface.arrays import Floats, SurfaceArrays
-from .ground import Ground, ground_of
+from .masked_surface import MaskedSurface, masked_surface_of
 
 Singles = NDArray[np.float32]
 _LIFT = 2e-3  # above the surface, of its size
@@ -37,21 +37,21 @@ def computed(
     color is 1 then, or more where there is more.
     """
     with named(arrays.name):
-        ground = ground_of(arrays, settings, context)
-        density = ground.corner_density(values)
-    vertices, faces = ground.surface.vertices, ground.surface.faces
+        masked = masked_surface_of(arrays, settings, context)
+        density = masked.corner_density(values)
+    vertices, faces = masked.surface.vertices, masked.surface.faces
     lift = _LIFT * float(np.linalg.norm(np.ptp(arrays.vertices, axis=0)))
     lifted = (vertices + lift * package().density.vertex_normals(vertices, faces)).astype(
         np.float32
     )
     most = max(float(density.max()), 1.0 if alone else 1e-300)
     colors = colored(density.ravel() / most)
-    points = 0.0 if alone or settings.object_types else _points(ground, settings)
+    points = 0.0 if alone or settings.object_types else _points(masked, settings)
     return Colored(lifted[faces].reshape(-1, 3), colors, most, points)
 
 
-def _points(ground: Ground, settings: Settings) -> float:
-    return float(settings.per_area or settings.count / max(ground.surface.capacity, 1e-300))
+def _points(masked: MaskedSurface, settings: Settings) -> float:
+    return float(settings.per_area or settings.count / max(masked.surface.capacity, 1e-300))
 
 
 def ramp() -> tuple[Floats, Singles]:

@@ -71,7 +71,7 @@ DENSITY = (
     ),
     *chain(*MASKS.values()),
     Setting(
-        "use_camera",
+        "use_camera_view",
         Kind.SWITCH,
         False,
         "Camera View",
@@ -88,7 +88,7 @@ DENSITY = (
         low=0.0,
         soft_high=1.0,
         subtype="FACTOR",
-        under="use_camera",
+        under="use_camera_view",
     ),
     Setting(
         "avoid_collection",

@@ -53,7 +53,7 @@ WHERE = (  # without one of them the others have no effect
 )
 DETAIL = (
     Setting(
-        "detail_distance",
+        "detail_full_until",
         Kind.NUMBER,
         20.0,
         "Full Until",
@@ -88,7 +88,7 @@ DETAIL = (
         subtype="FACTOR",
     ),
     Setting(
-        "detail_outside",
+        "detail_outside_view",
         Kind.NUMBER,
         0.1,
         "Outside View",

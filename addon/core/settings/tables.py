@@ -189,7 +189,7 @@ _BAKE = (
         field="fade",
     ),
     Setting(
-        "masks_over_time",
+        "masks",
         Kind.CHOICE,
         "EACH_FRAME",
         "Masks",
@@ -239,7 +239,7 @@ _BAKE = (
 )
 _UPDATES = (
     Setting(
-        "auto_update_choice",
+        "auto_update_mode",
         Kind.CHOICE,
         "AUTOMATIC",
         "Auto Update",

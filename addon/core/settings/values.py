@@ -18,7 +18,7 @@ class ClassSettings(ClassFields):
     """One object type among several."""
 
     count: int = 0  # exactly so many; 0: by its share
-    most_room: float = 0.0  # that its instances are fitted to; 0: no limit
+    max_clearance: float = 0.0  # that its instances are fitted to; 0: no limit
     shrinks: bool = False  # where its discs would not fit: then its instances are smaller too
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base.errors import ScatterError
 from ..base.native import package
-from ..density.ground import Ground
+from ..density.masked_surface import MaskedSurface
 from ..settings.values import Settings
 from ..surface.arrays import Floats, Ints
 from .locked import Locked
@@ -83,10 +83,10 @@ def shrunk(settings: Settings, surface: Any) -> Settings:
     rigid = sum(
         area for area, kind in zip(areas, settings.object_types, strict=True) if not kind.shrinks
     )
-    left, asked = max(_PACKED * surface.area - rigid, 0.0), sum(areas) - rigid
-    factor = np.sqrt(left / asked) if asked > left else 1.0
+    left, requested = max(_PACKED * surface.area - rigid, 0.0), sum(areas) - rigid
+    factor = np.sqrt(left / requested) if requested > left else 1.0
     classes = [
-        replace(kind, radius=factor * kind.radius, most_room=factor * kind.most_room)
+        replace(kind, radius=factor * kind.radius, max_clearance=factor * kind.max_clearance)
         if kind.shrinks
         else kind
         for kind in settings.object_types
@@ -94,13 +94,15 @@ def shrunk(settings: Settings, surface: Any) -> Settings:
     return replace(settings, object_types=tuple(classes))
 
 
-def wanted_counts(ground: Ground, settings: Settings) -> list[int]:
+def wanted_counts(masked: MaskedSurface, settings: Settings) -> list[int]:
     """How many points each class is to have; one class if there are no object types."""
-    sized = counted(ground.surface, shrunk(settings, ground.surface))
+    sized = counted(masked.surface, shrunk(settings, masked.surface))
     return class_counts(sized) or [sized.count]
 
 
-def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | None = None) -> Any:
+def sampled(
+    masked: MaskedSurface, settings: Settings, context: Any, locked: Locked | None = None
+) -> Any:
     """dapple.Samples of one class, or of those that the settings list, on the ground's surface.
 
     Locked points come first in their class.
@@ -109,26 +111,26 @@ def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | N
         ScatterError: more points of a class are locked than it has.
     """
     options = settings.sample_options()
-    counts = wanted_counts(ground, settings)
+    counts = wanted_counts(masked, settings)
     groups = locked.of_classes(counts) if locked else [None] * len(counts)
-    kept = [None if one is None else one.samples(ground.surface) for one in groups]
+    kept = [None if one is None else one.samples(masked.surface) for one in groups]
     if not settings.object_types:
         return package().sample(
-            ground.surface, counts[0], context=context, locked=kept[0], **options
+            masked.surface, counts[0], context=context, locked=kept[0], **options
         )
-    classes = classes_of(ground, settings, counts, kept)
-    return package().sample_classes(ground.surface, classes, context=context, **options)
+    classes = classes_of(masked, settings, counts, kept)
+    return package().sample_classes(masked.surface, classes, context=context, **options)
 
 
-def tracked(ground: Ground, samples: Any, settings: Settings) -> Any:
+def tracked(masked: MaskedSurface, samples: Any, settings: Settings) -> Any:
     """A dapple.Tracker on the ground that keeps the classes even by themselves and together."""
-    options = settings.tracker_options() | of_classes(ground, samples, settings)
-    return package().Tracker(ground.surface, samples, **options)
+    options = settings.tracker_options() | of_classes(masked, samples, settings)
+    return package().Tracker(masked.surface, samples, **options)
 
 
 def resumed_on(
     tracker: Any,
-    ground: Ground,
+    masked: MaskedSurface,
     vertices: Floats,
     samples: tuple[Any, Any],
     settings: Settings,
@@ -138,13 +140,13 @@ def resumed_on(
     frame and of the first one there. They may go anywhere, or only where the density pushes them.
     """
     now, first = samples
-    classes = of_classes(ground, now, settings)
+    classes = of_classes(masked, now, settings)
     tracker.resume_on(
-        ground.surface, ground.vertices(vertices), now, first, anywhere=anywhere, **classes
+        masked.surface, masked.vertices(vertices), now, first, anywhere=anywhere, **classes
     )
 
 
-def of_classes(ground: Ground, samples: Any, settings: Settings) -> dict[str, Any]:
+def of_classes(masked: MaskedSurface, samples: Any, settings: Settings) -> dict[str, Any]:
     """The option `classes` of what moves dapple.Samples over the ground; nothing for one class.
 
     Raises:
@@ -153,17 +155,17 @@ def of_classes(ground: Ground, samples: Any, settings: Settings) -> dict[str, An
     if not settings.object_types:
         return {}
     counts = _counts_of(samples.classes, settings)
-    return {"classes": classes_of(ground, settings, counts)}
+    return {"classes": classes_of(masked, settings, counts)}
 
 
 def classes_of(
-    ground: Ground, settings: Settings, counts: list[int], locked: list[Any] | None = None
+    masked: MaskedSurface, settings: Settings, counts: list[int], locked: list[Any] | None = None
 ) -> list[Any]:
     """A dapple.SampleClass for each class that the settings list, with so many samples."""
-    kinds = shrunk(settings, ground.surface).object_types
+    kinds = shrunk(settings, masked.surface).object_types
     return [
         package().SampleClass(
-            count, radius=kind.radius, locked=kept, **ground.class_density(kind.density)
+            count, radius=kind.radius, locked=kept, **masked.class_density(kind.density)
         )
         for count, kept, kind in zip(counts, locked or [None] * len(counts), kinds, strict=True)
     ]
@@ -184,7 +186,7 @@ def largest_scale(scale: float, growth: float, density_scale: float) -> float:
     return abs(scale) * (1.0 + growth) * max(1.0, 1.0 - density_scale)
 
 
-def rooms(points: Floats, classes: Ints, settings: Settings) -> Floats:
+def clearances(points: Floats, classes: Ints, settings: Settings) -> Floats:
     """Half the distance (n,) to the nearest point of the same class, at most what the class says.
 
     So instances that are as large do not overlap others of their class. 0: not known.
@@ -195,8 +197,8 @@ def rooms(points: Floats, classes: Ints, settings: Settings) -> Floats:
         distances = package().nearest_distances(points[rows])
         found[rows] = np.where(np.isfinite(distances), 0.5 * distances, 0.0)
     for index, own in enumerate(settings.object_types):
-        if own.most_room > 0.0:
+        if own.max_clearance > 0.0:
             rows = classes == index
             found[rows] = np.where(found[rows] > 0.0, found[rows], np.inf)
-            found[rows] = np.minimum(found[rows], own.most_room)
+            found[rows] = np.minimum(found[rows], own.max_clearance)
     return found

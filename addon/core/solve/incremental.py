@@ -13,26 +13,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.native import named, package
-from ..density.ground import Ground, ground_of, shares
+from ..density.masked_surface import MaskedSurface, masked_surface_of, shares
 from ..settings.values import Settings
 from ..surface.arrays import Ints, SurfaceArrays
 from ..surface.binding import binding_of, samples_of
 from ..surface.frames import carried, pointing, shading
 from ..surface.records import Binding, own_random
-from .carried import SAME_PLACE, Before, carried_points, cut_alike, touched_faces
-from .class_counts import rooms, shrunk, wanted_counts
+from .carried_points import SAME_PLACE, PreviousResult, carried_points, cut_alike, edited_faces
+from .class_counts import clearances, shrunk, wanted_counts
 from .figures import Details, details_of
 from .locked import Locked
-from .relaxing import (
+from .relaxation import (
     classes_relaxed,
     evened_around,
     locked_rows,
-    off_nothing,
     old_rows,
     relaxed,
     resampled,
     staying,
     with_counts,
+    without_zero_density,
 )
 from .solve import Scattered, Solved, point_columns, report_of
 
@@ -48,7 +48,11 @@ def keeps(settings: Settings, changed: list[str], same_faces: bool) -> bool:
 
 
 def kept(
-    before: Before, arrays: SurfaceArrays, settings: Settings, context: Any, locked: Locked | None
+    before: PreviousResult,
+    arrays: SurfaceArrays,
+    settings: Settings,
+    context: Any,
+    locked: Locked | None,
 ) -> Scattered:
     """The points relaxed where something has changed.
 
@@ -59,24 +63,24 @@ def kept(
     """
     arrays = cut_alike(before.solved, arrays)
     with named(arrays.name):
-        like = before.solved.ground if before.solved else None
-        ground = ground_of(arrays, settings, context, like)
+        like = before.solved.masked if before.solved else None
+        masked = masked_surface_of(arrays, settings, context, like)
         if locked is not None:
-            locked.of_classes(wanted_counts(ground, settings))  # an error if they are more
-        given, changed = carried_points(before, arrays, ground, settings)
-        touched = touched_faces(before, arrays, ground)
+            locked.of_classes(wanted_counts(masked, settings))  # an error if they are more
+        given, changed = carried_points(before, arrays, masked, settings)
+        edited = edited_faces(before, arrays, masked)
         if settings.object_types:
-            changed = np.union1d(changed, touched).astype(np.int32)
-            solved = fine = classes_relaxed(ground, given, changed, settings, context, locked)
-        elif len(touched) and not len(changed):
-            solved = evened_around(ground, given, touched, settings, context, locked)
-            solved = off_nothing(ground, solved, settings, context, locked)
-            fine = _with_ids_of(given, solved, ground)
+            changed = np.union1d(changed, edited).astype(np.int32)
+            solved = fine = classes_relaxed(masked, given, changed, settings, context, locked)
+        elif len(edited) and not len(changed):
+            solved = evened_around(masked, given, edited, settings, context, locked)
+            solved = without_zero_density(masked, solved, settings, context, locked)
+            fine = _with_ids_of(given, solved, masked)
         else:
-            changed = np.union1d(changed, touched).astype(np.int32)
-            solved = relaxed(ground, given, changed, settings, context, locked)
-            solved = fine = off_nothing(ground, solved, settings, context, locked)
-        found = _scattered(before, arrays, ground, given, fine, settings, locked)
+            changed = np.union1d(changed, edited).astype(np.int32)
+            solved = relaxed(masked, given, changed, settings, context, locked)
+            solved = fine = without_zero_density(masked, solved, settings, context, locked)
+        found = _scattered(before, arrays, masked, given, fine, settings, locked)
         effort = {name: getattr(report_of(solved.report), name) for name in _EFFORT}
     return replace(found, report=replace(found.report, **effort))
 
@@ -85,10 +89,10 @@ def as_placed(solved: Solved, before: Ints, binding: Binding, ids: Ints, classes
     """A solution of points with the ids `before`, with the points that are there once some were
     placed by hand: those that were not keep all that is known of them.
     """
-    ground, coarse = solved.ground, solved.ground.to_original(solved.samples)
-    found = samples_of(binding, ground.original, ids, classes)
+    masked, coarse = solved.masked, solved.masked.to_original(solved.samples)
+    found = samples_of(binding, masked.original, ids, classes)
     if not len(before) or not len(ids):
-        return replace(solved, samples=ground.from_original(found))
+        return replace(solved, samples=masked.from_original(found))
     faces, weights = found.faces.copy(), found.barycentric.copy()
     order = np.argsort(before)
     rows = order[np.minimum(np.searchsorted(before, ids, sorter=order), len(order) - 1)]
@@ -97,25 +101,25 @@ def as_placed(solved: Solved, before: Ints, binding: Binding, ids: Ints, classes
         solved
     )
     faces[same], weights[same] = coarse.faces[rows[same]], coarse.barycentric[rows[same]]
-    samples = package().Samples(ground.original, faces, weights, ids=ids, classes=classes)
-    return replace(solved, samples=ground.from_original(samples))
+    samples = package().Samples(masked.original, faces, weights, ids=ids, classes=classes)
+    return replace(solved, samples=masked.from_original(samples))
 
 
 def _extent(solved: Solved) -> float:
     return float(np.ptp(solved.arrays.vertices, axis=0).max(initial=0.0))
 
 
-def is_whole(scattered: Scattered, before: Before | None = None) -> bool:
+def is_whole(scattered: Scattered, before: PreviousResult | None = None) -> bool:
     """Whether there are as many points as there have to be: exactly, or about so many by area.
 
     By area, those that were placed or removed by hand may be too many or too few.
     """
     solved, settings = scattered.solved, scattered.settings
     assert solved is not None
-    if settings.per_area and before is not None and before.touched is not None:
+    if settings.per_area and before is not None and before.edited is not None:
         return True
     there = np.bincount(solved.samples.classes, minlength=max(len(settings.object_types), 1))
-    for count, wanted in zip(there, wanted_counts(solved.ground, settings), strict=True):
+    for count, wanted in zip(there, wanted_counts(solved.masked, settings), strict=True):
         spare = max(_SPARE_POINTS, _SPARE * wanted) if settings.per_area else 0
         if abs(count - wanted) > spare:
             return False
@@ -126,15 +130,15 @@ def evened(before: Scattered, context: Any, locked: Locked | None) -> Scattered:
     """The points with the exact count, even over the whole surface."""
     solved, settings = before.solved, before.settings
     assert solved is not None
-    ground, arrays = solved.ground, solved.arrays
+    masked, arrays = solved.masked, solved.arrays
     with named(arrays.name):
         if settings.object_types:
-            fine = with_counts(ground, solved.samples, settings, context, locked)
+            fine = with_counts(masked, solved.samples, settings, context, locked)
         else:
-            fine = resampled(ground, solved.samples, settings, context, locked)
-            fine = off_nothing(ground, fine, settings, context, locked)
-        stored = Before(before.binding, before.columns, solved)
-        found = _scattered(stored, arrays, ground, solved.samples, fine, settings, locked)
+            fine = resampled(masked, solved.samples, settings, context, locked)
+            fine = without_zero_density(masked, fine, settings, context, locked)
+        stored = PreviousResult(before.binding, before.columns, solved)
+        found = _scattered(stored, arrays, masked, solved.samples, fine, settings, locked)
     spent = before.report.milliseconds + found.report.milliseconds
     return replace(found, report=replace(found.report, milliseconds=spent))
 
@@ -143,20 +147,20 @@ def measured(scattered: Scattered, context: Any) -> Scattered:
     """With the figures of all points."""
     solved = scattered.solved
     assert solved is not None
-    ground, samples = solved.ground, solved.samples
+    masked, samples = solved.masked, solved.samples
     with named(solved.arrays.name):
         weight = scattered.settings.capacity_weight
         found = report_of(
-            package().analyze(ground.surface, samples, capacity_weight=weight, context=context)
+            package().analyze(masked.surface, samples, capacity_weight=weight, context=context)
         )
-        density = ground.density_at(samples)
+        density = masked.density_at(samples)
         gaps = details_of(samples, density).gaps
     effort = {name: getattr(scattered.report, name) for name in (*_EFFORT, *_OVERLAP)}
-    report = replace(found, doubled_faces=ground.original.doubled_faces, **effort)
+    report = replace(found, doubled_faces=masked.original.doubled_faces, **effort)
     return replace(scattered, report=report, details=Details(gaps=gaps))
 
 
-def _with_ids_of(given: Any, found: Any, ground: Ground) -> Any:
+def _with_ids_of(given: Any, found: Any, masked: MaskedSurface) -> Any:
     """As many samples as before with the same ids: new ones take those of which went."""
     gone = np.setdiff1d(given.ids, found.ids)
     new = ~np.isin(found.ids, given.ids)
@@ -165,26 +169,26 @@ def _with_ids_of(given: Any, found: Any, ground: Ground) -> Any:
     ids = found.ids.copy()
     ids[new] = gone
     places = (found.faces, found.barycentric)
-    return package().Samples(ground.surface, *places, ids=ids, classes=found.classes)
+    return package().Samples(masked.surface, *places, ids=ids, classes=found.classes)
 
 
 def _scattered(
-    before: Before,
+    before: PreviousResult,
     arrays: SurfaceArrays,
-    ground: Ground,
+    masked: MaskedSurface,
     given: Any,
     fine: Any,
     settings: Settings,
     locked: Locked | None,
 ) -> Scattered:
     """What is stored of the samples; those that stay keep all that they had."""
-    samples = ground.to_original(fine)
+    samples = masked.to_original(fine)
     old, stays = old_rows(given, fine), staying(given, fine)
     columns = point_columns(samples.ids, samples.classes, settings.seed)
     columns["dapple_locked"][locked_rows(samples, locked)] = True
-    columns["dapple_density"] = shares(ground, ground.density_at(fine))
-    sized = shrunk(settings, ground.surface)
-    columns["dapple_room"] = rooms(fine.positions, samples.classes, sized)
+    columns["dapple_density"] = shares(masked, masked.density_at(fine))
+    sized = shrunk(settings, masked.surface)
+    columns["dapple_clearance"] = clearances(fine.positions, samples.classes, sized)
     new = own_random(settings.seed, samples.ids, 4)
     columns["dapple_rank"] = np.where(old < 0, new, before.columns["dapple_rank"][old])
     binding = _with_directions(before.binding, binding_of(samples, arrays), old, stays, arrays)
@@ -193,9 +197,9 @@ def _scattered(
         report_of(fine.report).of_ids(samples.ids),
         count=len(samples),
         measured=False,
-        doubled_faces=ground.original.doubled_faces,
+        doubled_faces=masked.original.doubled_faces,
     )
-    solved, capacity = Solved(arrays, ground, fine), float(ground.surface.capacity)
+    solved, capacity = Solved(arrays, masked, fine), float(masked.surface.capacity)
     positions = np.asarray(samples.positions)
     return Scattered(positions, binding, columns, report, Details(), settings, capacity, solved)
 

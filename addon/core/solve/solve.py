@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.native import named, package
-from ..density.ground import Ground, ground_of, shares
+from ..density.masked_surface import MaskedSurface, masked_surface_of, shares
 from ..settings.values import Settings
 from ..surface.arrays import Floats, Ints, SurfaceArrays
 from ..surface.binding import binding_of, bound_nearest
 from ..surface.frames import carried, pointing, shading
 from ..surface.records import Binding, Columns, own_random, unbound
-from .class_counts import rooms, sampled, shrunk
+from .class_counts import clearances, sampled, shrunk
 from .figures import Details, details_of
 from .locked import Locked, kept_ids, rows_of
 
@@ -68,7 +68,7 @@ class Solved:
     """A solution in the terms of the native package."""
 
     arrays: SurfaceArrays
-    ground: Ground
+    masked: MaskedSurface
     samples: Any  # dapple.Samples of the ground
 
 
@@ -77,26 +77,26 @@ def scatter(
 ) -> Scattered:
     """Scatter points over a surface as it stands, around those that are locked."""
     with named(arrays.name):
-        ground = ground_of(arrays, settings)
-        fine = sampled(ground, settings, context, locked)
-        samples = ground.to_original(fine)
+        masked = masked_surface_of(arrays, settings)
+        fine = sampled(masked, settings, context, locked)
+        samples = masked.to_original(fine)
         ranks = package().progressive_ranks(fine.positions, fine.classes)
     ids = samples.ids if locked is None else kept_ids(locked, samples.classes)
     columns = point_columns(ids, samples.classes, settings.seed)
     if locked is not None:
         columns["dapple_locked"][rows_of(locked, samples.classes)] = True
-    density = ground.density_at(fine)
-    columns["dapple_density"] = shares(ground, density)
+    density = masked.density_at(fine)
+    columns["dapple_density"] = shares(masked, density)
     columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
-    sized = shrunk(settings, ground.surface)
-    columns["dapple_room"] = rooms(fine.positions, samples.classes, sized)
+    sized = shrunk(settings, masked.surface)
+    columns["dapple_clearance"] = clearances(fine.positions, samples.classes, sized)
     binding = pointing(binding_of(samples, arrays), arrays, settings.forward)
     positions = np.asarray(samples.positions)
     report = replace(
-        report_of(samples.report).of_ids(ids), doubled_faces=ground.original.doubled_faces
+        report_of(samples.report).of_ids(ids), doubled_faces=masked.original.doubled_faces
     )
     details = details_of(fine, density)
-    capacity, solved = float(ground.surface.capacity), Solved(arrays, ground, fine)
+    capacity, solved = float(masked.surface.capacity), Solved(arrays, masked, fine)
     return Scattered(positions, binding, columns, report, details, settings, capacity, solved)
 
 
@@ -109,7 +109,7 @@ def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
         "dapple_scale": own_random(seed, ids, 0),
         "dapple_turn": own_random(seed, ids, 1) * 2.0 * np.pi,
         "dapple_rank": own_random(seed, ids, 4),
-        "dapple_room": np.zeros(len(ids)),
+        "dapple_clearance": np.zeros(len(ids)),
         "dapple_locked": np.zeros(len(ids), dtype=bool),
     }
 
@@ -154,7 +154,7 @@ class Attached:
 
     binding: Binding
     positions: Floats  # (n, 3) in world space; those that were not placed are where they were
-    touched: Floats  # (k, 3) where points were placed, and where they were before
+    edited: Floats  # (k, 3) where points were placed, and where they were before
 
 
 def attached(
@@ -179,5 +179,5 @@ def attached(
         found = found.with_rows(moved, now)
     if placed.any():
         found = found.with_rows(placed, pointing(found.rows_at(placed), surface, forward))
-    touched = np.concatenate([places[placed], left.positions(surface.vertices)])
-    return Attached(found, places, touched)
+    edited = np.concatenate([places[placed], left.positions(surface.vertices)])
+    return Attached(found, places, edited)

@@ -111,7 +111,7 @@ def _solved_class(kind: Any) -> Any:
     """Without its names, and without what the size of instances alone comes from."""
     if not isinstance(kind, dict):
         return kind
-    own = {name: value for name, value in kind.items() if name != "most_room"}
+    own = {name: value for name, value in kind.items() if name != "max_clearance"}
     more = {"density": bool(kind.get("density")), "shrinks": bool(kind.get("shrinks"))}
     return own | more
 

@@ -52,8 +52,8 @@ def rebound(before: Binding, first: SurfaceArrays, surface: SurfaceArrays) -> Bi
     old = frames(before, first.vertices, shading(first))
     after = bound_nearest(before.positions(first.vertices), surface)
     new = frames(after, surface.vertices, shading(surface))
-    direction = transport(old.direction(before.carry), old.normal, new.normal)
-    return replace(after, carry=new.angle(direction))
+    direction = transport(old.direction(before.angle), old.normal, new.normal)
+    return replace(after, angle=new.angle(direction))
 
 
 def bound_nearest(points: Floats, surface: SurfaceArrays) -> Binding:

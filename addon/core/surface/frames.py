@@ -116,8 +116,8 @@ def transport(direction: Floats, normal: Floats, other: Floats) -> Floats:
 def carried(before: Binding, after: Binding, vertices: Floats, normals: Normals) -> Binding:
     """after, with the angles that keep the previous directions on these vertices."""
     old, new = frames(before, vertices, normals), frames(after, vertices, normals)
-    direction = transport(old.direction(before.carry), old.normal, new.normal)
-    return replace(after, carry=new.angle(direction))
+    direction = transport(old.direction(before.angle), old.normal, new.normal)
+    return replace(after, angle=new.angle(direction))
 
 
 def _dot(a: Floats, b: Floats) -> Floats:
@@ -139,4 +139,4 @@ def pointing(binding: Binding, surface: SurfaceArrays, forward: str) -> Binding:
     along = surface.matrix[:3, :3] @ AXES[forward]
     local = frames(binding, surface.vertices, shading(surface))
     angles = local.angle(np.broadcast_to(along, local.normal.shape))
-    return replace(binding, carry=angles)
+    return replace(binding, angle=angles)

@@ -313,7 +313,7 @@ class RawImage:
     tile: int = 0  # number of a UDIM tile; 0: the image is in one piece
 
 
-def laid_image(images: Sequence[RawImage], channel: str) -> dict[str, Any]:
+def image_density(images: Sequence[RawImage], channel: str) -> dict[str, Any]:
     """What an image, or its UDIM tiles, is to Surroundings; errors as of shade()."""
     if not images:
         return {}

@@ -20,7 +20,7 @@ SCHEMA = 1
 SCHEMA_KEY = "dapple_schema"
 RESULT_KEY = "dapple_result"  # digest of the points, with the mesh that has them
 # Where points were placed by hand, in the surface's own space, until others are even around them.
-TOUCHED_KEY = "dapple_touched"
+EDITED_KEY = "dapple_edited"
 PLACED_ATTRIBUTES = {"dapple_placed": "FLOAT_VECTOR"}  # where points were before they are edited
 
 # Attribute name -> Blender's type, all on points. Nodes read the names: nodes/bound_point.py.
@@ -32,7 +32,7 @@ ROW_ATTRIBUTES = {
     "dapple_c1": "INT",
     "dapple_c2": "INT",
     "dapple_barycentric": "FLOAT_VECTOR",
-    "dapple_carry": "FLOAT",
+    "dapple_angle": "FLOAT",
 }
 KEY_ATTRIBUTES = {"dapple_face": "INT"}  # its position: barycentrics 1 and 2, angle carried
 # Places of the rest shape, where points are bound to it, and in which of its parts: rest.py.
@@ -43,11 +43,11 @@ REST_ATTRIBUTES = {
 }
 # 1 - fade, where points appear or vanish: on each key, and on the points, 1 on those that a bake
 # has added. Nodes read 0 where there is none.
-GONE_ATTRIBUTES = {"dapple_gone": "FLOAT"}
-# How far instances lean off the normal, on each key, where some do (lean.py).
-LEAN_ATTRIBUTES = {"dapple_lean": "FLOAT_VECTOR"}
+FADE_ATTRIBUTES = {"dapple_faded": "FLOAT"}
+# How far instances lean off the normal, on each key, where some do (tilt.py).
+TILT_ATTRIBUTES = {"dapple_tilt": "FLOAT_VECTOR"}
 # How much room points have, on each key, where instances are fitted to it (clearance.py).
-ROOM_ATTRIBUTES = {"dapple_room": "FLOAT"}
+CLEARANCE_ATTRIBUTES = {"dapple_clearance": "FLOAT"}
 TRIANGLE_ATTRIBUTES = {f"dapple_{kind}{k}": "INT" for kind in "vc" for k in range(3)}
 # Where the triangles' corners are on the rest shape, where points are bound to it.
 REST_TRIANGLE_ATTRIBUTES = {
@@ -70,7 +70,7 @@ POINT_ATTRIBUTES = {
 }
 # Where a point stands, 0..1, in an order of which every beginning is even; whether it stays where
 # it is; half the distance to its nearest like.
-ADDED_ATTRIBUTES = {"dapple_rank": "FLOAT", "dapple_locked": "BOOLEAN", "dapple_room": "FLOAT"}
+ADDED_ATTRIBUTES = {"dapple_rank": "FLOAT", "dapple_locked": "BOOLEAN", "dapple_clearance": "FLOAT"}
 
 MOST_CLASSES = 10_000
 _LIMITS = {
@@ -88,7 +88,7 @@ class Binding:
 
     corners: Ints  # (n, 3) vertex indices
     barycentric: Floats  # (n, 3)
-    carry: Floats  # (n,) angle in radians from the first edge, see frames.py
+    angle: Floats  # (n,) angle in radians from the first edge, see frames.py
     # (n, 3) face corners of the mesh at those vertices; 0 where they are not known.
     loops: Ints = field(default_factory=lambda: np.empty((0, 3), dtype=np.int32))
 
@@ -101,7 +101,7 @@ class Binding:
         columns: Columns = {f"dapple_v{k}": self.corners[:, k] for k in range(3)}
         columns |= {f"dapple_c{k}": self.loops[:, k] for k in range(3)}
         columns["dapple_barycentric"] = self.barycentric
-        columns["dapple_carry"] = self.carry
+        columns["dapple_angle"] = self.angle
         return columns
 
     def positions(self, vertices: Floats) -> Floats:
@@ -120,7 +120,7 @@ class Binding:
         return Binding(*copies)
 
     def _arrays(self) -> tuple[NDArray[Any], ...]:
-        return self.corners, self.barycentric, self.carry, self.loops
+        return self.corners, self.barycentric, self.angle, self.loops
 
 
 def joined(bindings: list[Binding]) -> Binding:
@@ -131,11 +131,11 @@ def joined(bindings: list[Binding]) -> Binding:
 
 def as_stored(binding: Binding) -> Binding:
     """A binding as it is read again after it was stored, in single precision."""
-    weights, carry = (
+    weights, angle = (
         np.asarray(values, dtype=np.float32).astype(np.float64)
-        for values in (binding.barycentric, binding.carry)
+        for values in (binding.barycentric, binding.angle)
     )
-    return replace(binding, barycentric=weights, carry=carry)
+    return replace(binding, barycentric=weights, angle=angle)
 
 
 def binding_from(columns: Columns) -> Binding:
@@ -145,8 +145,8 @@ def binding_from(columns: Columns) -> Binding:
         for kind in "vc"
     )
     weights = np.asarray(columns["dapple_barycentric"], dtype=np.float64)
-    carry = np.asarray(columns["dapple_carry"], dtype=np.float64)
-    return Binding(corners, weights, carry, loops)
+    angle = np.asarray(columns["dapple_angle"], dtype=np.float64)
+    return Binding(corners, weights, angle, loops)
 
 
 def check_binding(binding: Binding, vertex_count: int, name: str) -> None:
@@ -187,8 +187,8 @@ def check_columns(columns: Columns, name: str) -> None:
         if wrong.any():
             row = int(np.argmax(wrong))
             found = values[row].tolist()
-            said = f"is {found}, {rule}" if rule else f"is not finite: {found}"
-            raise ScatterError(f"Scatter '{name}': {column}[{row}] {said}")
+            text = f"is {found}, {rule}" if rule else f"is not finite: {found}"
+            raise ScatterError(f"Scatter '{name}': {column}[{row}] {text}")
 
 
 def unbound(binding: Binding) -> NDArray[np.bool_]:
@@ -236,6 +236,6 @@ class Placed:
 
     faces: Ints  # (n,) triangles of the surface, as it was cut when it was bound
     binding: Binding
-    gone: Floats | None = None  # (n,) 0 there, 1 not there; None: all are there
-    lean: Floats | None = None  # (n, 3) see lean.py; None: none leans
-    room: Floats | None = None  # (n,) see clearance.py; None: no instance is fitted to it
+    faded: Floats | None = None  # (n,) 0 there, 1 not there; None: all are there
+    tilt: Floats | None = None  # (n, 3) see tilt.py; None: none leans
+    clearance: Floats | None = None  # (n,) see clearance.py; None: no instance is fitted to it

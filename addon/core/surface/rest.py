@@ -57,7 +57,7 @@ def bound_at_rest(columns: Columns, surface: SurfaceArrays) -> Binding:
     shares = np.linalg.pinv(np.stack(_edges(found, surface.rest), axis=2)) @ ahead
     direction = (np.stack(_edges(found, surface.vertices), axis=2) @ shares)[:, :, 0]
     local = frames(found, surface.vertices, shading(surface))
-    return replace(found, carry=local.angle(direction))
+    return replace(found, angle=local.angle(direction))
 
 
 def rebound_at_rest(binding: Binding, before: SurfaceArrays, after: SurfaceArrays) -> Binding:
@@ -129,7 +129,7 @@ def _ahead(binding: Binding, rest: Floats, surface: SurfaceArrays) -> Floats:
     edges = np.stack(_edges(binding, surface.vertices), axis=2)  # (n, 3, 2)
     # In the triangle's plane, below the direction as one looks along the normal.
     both = np.concatenate([edges, local.normal[:, :, None]], axis=2)
-    shares = (np.linalg.pinv(both) @ local.direction(binding.carry)[:, :, None])[:, :2]
+    shares = (np.linalg.pinv(both) @ local.direction(binding.angle)[:, :, None])[:, :2]
     lengths = (
         np.linalg.norm(edges @ shares, axis=1) / np.linalg.norm(edges[:, :, 0], axis=1)[:, None]
     )

@@ -120,13 +120,13 @@ def sources_of(arrays: SurfaceArrays, settings: Settings, capacity: float = 0.0)
         name: arrays.digests.get(name) or digest_of([one]) for name, one in arrays.weights.items()
     }
     own = surface_sources(outline, values, settings)
-    beside = around_sources(outline.pose, arrays.around)
-    return replace(joined(own, beside), frame=arrays.time, capacity=capacity)
+    nearby = around_sources(outline.pose, arrays.around)
+    return replace(joined(own, nearby), frame=arrays.time, capacity=capacity)
 
 
-def joined(own: Sources, beside: Sources) -> Sources:
+def joined(own: Sources, nearby: Sources) -> Sources:
     """Of a surface and of what is around it."""
-    return replace(own, exact=own.exact | beside.exact, near=own.near | beside.near)
+    return replace(own, exact=own.exact | nearby.exact, near=own.near | nearby.near)
 
 
 def surface_sources(outline: Outline, values: dict[str, str], settings: Settings) -> Sources:

@@ -234,7 +234,7 @@ def test_dropped_on_a_surface_it_is_solved_there(live, saved):
 def placed(live):
     bpy.context.view_layer.update()
     placing = addon_host.part("blender.assets.dropped")
-    assert placing.look() is None
+    assert placing.check() is None
     live.settle()
 
 

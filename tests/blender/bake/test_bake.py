@@ -414,7 +414,7 @@ def in_pieces(monkeypatch):
 
 def test_a_bake_in_pieces_holds_no_more_than_two(monkeypatch):
     in_pieces(monkeypatch)
-    together, held = addon_host.part("core.bake.window_bake").TogetherBaker, []
+    together, held = addon_host.part("core.bake.window_bake").WindowBaker, []
     take = together.take
 
     def noting(self):
@@ -504,8 +504,8 @@ def test_fitted_instances_just_touch_on_every_frame(population):
 def test_keys_hold_rooms_only_where_instances_are_fitted():
     _, obj = baked()
     keys = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys")
-    assert "dapple_room" not in keys.data.attributes
+    assert "dapple_clearance" not in keys.data.attributes
     obj.dapple.fit_to_spacing = 0.5
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     keys = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys")
-    assert "dapple_room" in keys.data.attributes
+    assert "dapple_clearance" in keys.data.attributes

@@ -21,7 +21,7 @@ def test_a_bake_knows_what_moves():
     surface = scenes.tail(frames=4)
     group, made = weighed(surface), moving_camera()
     bpy.context.scene.frame_set(1)
-    obj = solved(surface, attribute="Grass", use_camera=True)
+    obj = solved(surface, attribute="Grass", use_camera_view=True)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame in (1, 2, 3, 4):
         bpy.context.scene.frame_set(frame)
@@ -162,7 +162,7 @@ def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
             assert addon_host.part("blender.freshness.unfinished_bakes").unfinished(obj) == 2
         baker = steps.run_now(baking.bake_steps(bpy.context, 1, 4))
         assert baker.taken == (2 if stopped else 0)
-        assert baker.anew == "Settings were changed (Count)"
+        assert baker.reoptimized_reason == "Settings were changed (Count)"
         assert reason(obj) == ""
         found.append(addon_host.part("blender.scatter.key_stores").read_baked(obj))
     for name in ("keys", "triangles", "frames"):

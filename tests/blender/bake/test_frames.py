@@ -73,17 +73,17 @@ def test_a_key_in_another_triangle_keeps_the_direction(frames, records):
     bent = vertices + [0.0, 0.0, 1.0] * (0.5 * vertices[:, :1])  # tilted, still flat
     normals = frames.smooth(bent, faces)
     carried = frames.carried(before, after, bent, normals)
-    old = frames.frames(before, bent, normals).direction(before.carry)
-    new = frames.frames(carried, bent, normals).direction(carried.carry)
+    old = frames.frames(before, bent, normals).direction(before.angle)
+    new = frames.frames(carried, bent, normals).direction(carried.angle)
     assert np.allclose(new, old, atol=1e-12)
-    assert np.ptp(carried.carry - before.carry) > 1.0  # angles had to change
+    assert np.ptp(carried.angle - before.angle) > 1.0  # angles had to change
 
 
 def test_a_key_in_the_same_triangle_keeps_its_angle(frames, records):
     vertices, faces = plane()
     here = records.Binding(faces, np.full((len(faces), 3), 1 / 3), np.full(len(faces), 0.7))
     normals = frames.smooth(vertices, faces)
-    assert np.allclose(frames.carried(here, here, vertices, normals).carry, 0.7, atol=1e-12)
+    assert np.allclose(frames.carried(here, here, vertices, normals).angle, 0.7, atol=1e-12)
 
 
 def test_vertex_normals_do_not_depend_on_how_quads_are_cut():

@@ -22,11 +22,11 @@ def strip(topology="strip", name="Strip", faces=FACES):
     return surface.SurfaceArrays(name, vertices, faces, topology)
 
 
-def placed(keys, arrays, faces, weights, carry=0.0):
+def placed(keys, arrays, faces, weights, angle=0.0):
     records = addon_host.part("core.surface.records")
     faces = np.asarray(faces, dtype=np.int32)
     weights = np.broadcast_to(np.asarray(weights, dtype=float), (len(faces), 3))
-    angles = np.full(len(faces), carry)
+    angles = np.full(len(faces), angle)
     return keys.Placed(faces, records.Binding(arrays.faces[faces], weights, angles))
 
 
@@ -57,7 +57,7 @@ def test_packing_keeps_single_precision(keys):
         assert share == 0.0
         assert (first.corners == item.binding.corners).all()
         assert np.allclose(first.barycentric, item.binding.barycentric, rtol=0, atol=2e-7)
-        assert np.allclose(first.carry, item.binding.carry, rtol=0, atol=1e-6)
+        assert np.allclose(first.angle, item.binding.angle, rtol=0, atol=1e-6)
         assert (second.corners == frames[min(frame + 1, 4)].binding.corners).all()
 
 
@@ -123,9 +123,9 @@ def test_points_that_appear_after_a_change_of_topology_have_rows_before_it(keys)
         [(before, [1]), (before, [1, 0]), (after, [2, 0, 3]), (after, [2, 0, 3, 1])]
     ):
         item = placed(keys, arrays, faces, (0.2, 0.3, 0.5), 0.1 * frame)
-        found.add(replace(item, gone=np.zeros(len(faces))), arrays, arrays, 1.0)
+        found.add(replace(item, faded=np.zeros(len(faces))), arrays, arrays, 1.0)
     packed = found.packed()
-    gone = packed.keys["dapple_gone"].reshape(4, 4)
+    gone = packed.keys["dapple_faded"].reshape(4, 4)
     assert gone.tolist() == [[0, 1, 1, 1], [0, 0, 1, 1], [0, 0, 0, 1], [0, 0, 0, 0]]
     first, second, _, fourth = (packed.binding(k, 4)[0] for k in range(4))
     assert first.corners.tolist() == FACES[[1, 0, 1, 1]].tolist()
@@ -143,7 +143,7 @@ def test_the_rows_of_a_bake_are_held_once(keys):
         for _ in range(4):
             item = placed(keys, arrays, [0, 3] * (count // 2), (0.2, 0.3, 0.5))
             lean = np.full((count, 3), 0.5)
-            found.add(replace(item, gone=np.zeros(count), lean=lean), arrays, arrays, 1.0)
+            found.add(replace(item, faded=np.zeros(count), tilt=lean), arrays, arrays, 1.0)
         found.last = None
         del item, lean
         packed = found.packed()
@@ -153,5 +153,5 @@ def test_the_rows_of_a_bake_are_held_once(keys):
     stored = sum(values.nbytes for values in packed.keys.values())
     assert stored == 4 * count * 32
     assert held < 1.2 * stored
-    assert (packed.keys["dapple_lean"] == 0.5).all()
+    assert (packed.keys["dapple_tilt"] == 0.5).all()
     assert found.packed() is packed

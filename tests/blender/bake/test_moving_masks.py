@@ -84,7 +84,7 @@ def moving_camera():
     def outside(points):
         return int((np.abs(points[:, :2] - np.array(made.location)[:2]) > half).any(axis=1).sum())
 
-    return {"use_camera": True, "camera_margin": 0.0}, outside
+    return {"use_camera_view": True, "camera_margin": 0.0}, outside
 
 
 def moving_values():
@@ -141,12 +141,10 @@ def test_points_leave_a_scatter_that_moves_as_it_was_baked(population):
 
 
 def panel_note(obj):
-    return addon_host.part("blender.freshness.contents").frozen_note(obj)
+    return addon_host.part("blender.freshness.content_changes").frozen_note(obj)
 
 
-@pytest.mark.parametrize(
-    ("name", "value"), [("masks_over_time", "FIRST_FRAME"), ("smoothing", "BOTH_WAYS")]
-)
+@pytest.mark.parametrize(("name", "value"), [("masks", "FIRST_FRAME"), ("smoothing", "BOTH_WAYS")])
 def test_what_moves_and_is_not_followed_is_said(name, value):
     surface = ground()
     density, wrong = moving_cube()
@@ -156,7 +154,7 @@ def test_what_moves_and_is_not_followed_is_said(name, value):
     assert max(wrong(points) for points in each_frame(obj)) > 0
     said = "The density is that of frame 1, although these move: avoided objects"
     assert panel_note(obj) == said
-    setattr(obj.dapple, name, "EACH_FRAME" if name == "masks_over_time" else "FORWARD")
+    setattr(obj.dapple, name, "EACH_FRAME" if name == "masks" else "FORWARD")
     assert reason(obj).startswith("Settings were changed (")
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert max(wrong(points) for points in each_frame(obj)) == 0
@@ -169,7 +167,7 @@ def test_a_density_that_does_not_move_is_baked_as_on_the_first_frame():
     obj = scatter_on(surface, attribute="Some")
     found = []
     for masks in ("FIRST_FRAME", "EACH_FRAME"):
-        obj.dapple.masks_over_time = masks
+        obj.dapple.masks = masks
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         assert panel_note(obj) == ""
         found.append(addon_host.part("blender.scatter.key_stores").read_baked(obj).keys)

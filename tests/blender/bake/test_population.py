@@ -41,12 +41,12 @@ def shown(obj, frame, subframe=0.0):
 
 
 def fades(obj, frame, subframe=0.0):
-    """1 - dapple_gone, of each row, from the keys."""
+    """1 - dapple_faded, of each row, from the keys."""
     scene = bpy.context.scene
     scene.frame_set(frame, subframe=subframe)
     stored = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys").data
     values = np.empty(len(stored.vertices), dtype=np.float32)
-    stored.attributes["dapple_gone"].data.foreach_get("value", values)
+    stored.attributes["dapple_faded"].data.foreach_get("value", values)
     return 1.0 - values.reshape(-1, len(obj.data.vertices))[frame - 1]
 
 

@@ -45,7 +45,7 @@ def test_a_frame_comes_back_as_it_was(sidecar, tmp_path):
     files.store(7, "abc", frame)
     found = files.load(7, "abc", 5, triangles())
     assert found.report == frame.report
-    for name in ("corners", "barycentric", "carry"):
+    for name in ("corners", "barycentric", "angle"):
         there, here = getattr(found.placed.binding, name), getattr(frame.placed.binding, name)
         assert there.tobytes() == here.tobytes()
     assert [path.name for path in files.folder.iterdir()] == ["frame_000007.npz"]
@@ -81,7 +81,7 @@ def test_a_file_with_any_byte_turned_is_not_taken_as_other_values(sidecar, tmp_p
         found = files.load(1, "abc", 5, triangles())
         if found is not None:  # some bytes, such as a date, do not matter
             assert (found.placed.binding.barycentric == expected.barycentric).all()
-            assert (found.placed.binding.carry == expected.carry).all()
+            assert (found.placed.binding.angle == expected.angle).all()
 
 
 def rewritten(path, **changed):
@@ -115,7 +115,7 @@ def test_a_file_of_another_frame_is_not_taken(sidecar, tmp_path):
         ("faces", lambda faces: (faces + 1) % len(FACES)),
         ("barycentric", lambda weights: weights[:, ::-1]),
         ("barycentric", lambda weights: weights * 2),
-        ("carry", lambda carry: carry + 1e-9),
+        ("angle", lambda angle: angle + 1e-9),
         ("settled", np.logical_not),
         ("report", lambda text: np.array(str(text).replace("0.25", "0.26"))),
     ],
@@ -168,7 +168,7 @@ def test_fingerprints_tell_inputs_apart(sidecar):
         chain([frame, moved]),
         chain([replace(frame, topology="other")]),
         chain([frame], settings=settings.Settings(seed=1)),
-        chain([frame], start=replace(start, carry=start.carry + 1e-9)),
+        chain([frame], start=replace(start, angle=start.angle + 1e-9)),
     ]
     assert len(set(found)) == len(found)
     assert chain([frame]) == found[0]

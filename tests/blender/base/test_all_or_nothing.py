@@ -174,7 +174,7 @@ def subdivided():
 
 HAND, FACES = "blender.hand_points", "blender.surface.subdivision"
 EXPORT, SOLVE = "blender.export.operators", "blender.solve"
-TYPES = "blender.object_types.classes"
+TYPES = "blender.object_types.operators"
 DENSITY = "blender.density.operators"
 FIRST = {"name": "Sphere Scatter"}
 # Operator, its properties, preparation, and the last step as a module and a name in it.
@@ -186,7 +186,7 @@ CASES = [
     ("add_over_collection", {"collection": "Parts"}, of_collection, "blender.add.steps.apply"),
     ("surface_from_selected", {}, with_others, "blender.add.operators.put_on_selected"),
     ("mark_asset", {}, scattered, "blender.assets.operators.marked"),
-    ("mark_asset", {}, baked, "blender.assets.marking.keep_together"),
+    ("mark_asset", {}, baked, "blender.assets.marking.collect_instances"),
     ("place_scatter", {"surface": "Sphere"}, asset, "blender.solve.optimize.write_solved"),
     ("place_scatter", {"surface": "Sphere"}, asset, "blender.assets.placing.fit_classes"),
     ("bake", {}, scattered, "blender.bake.steps.write_known"),
@@ -199,15 +199,15 @@ CASES = [
     ("export_points", {"filepath": "points.csv"}, scattered, f"{EXPORT}.export_points"),
     ("delete_keyframes", {"action": "OPTIMIZE"}, baked, "blender.solve.optimize.write_solved"),
     ("delete_keyframes", {"action": "REATTACH"}, baked, f"{SOLVE}.session_solutions.write_own_ids"),
-    ("optimize", {}, scattered, "blender.display.preview.solved_anew"),
+    ("optimize", {}, scattered, "blender.display.preview.restart"),
     ("optimize", {}, baked, "blender.solve.optimize.write_solved"),
     ("optimize", {}, born, "blender.solve.optimize.write_solved"),
-    ("optimize", {}, joined, "blender.display.preview.solved_anew"),
-    ("optimize", {}, to_be_at_rest, "blender.display.preview.solved_anew"),
-    ("reattach", {}, scattered, "blender.display.preview.solved_anew"),
+    ("optimize", {}, joined, "blender.display.preview.restart"),
+    ("optimize", {}, to_be_at_rest, "blender.display.preview.restart"),
+    ("reattach", {}, scattered, "blender.display.preview.restart"),
     ("reattach", {}, baked, f"{SOLVE}.session_solutions.write_own_ids"),
     ("reattach", {}, born, f"{SOLVE}.session_solutions.write_own_ids"),
-    ("reattach", {}, at_rest, "blender.display.preview.solved_anew"),
+    ("reattach", {}, at_rest, "blender.display.preview.restart"),
     ("make_tiles", {}, scattered, "blender.tiles.operators.write_tiles"),
     ("make_tiles", {}, tiled, "blender.tiles.operators.write_tiles"),
     ("edit_points", {}, scattered, f"{HAND}.operators.begin_editing"),
@@ -226,7 +226,7 @@ CASES = [
     ("match_subdivision", {}, subdivided, f"{FACES}.match_subdivision"),
     ("show_density", {}, scattered, "blender.density.overlay.start"),
     *(
-        ("edit_object_types", {"action": action}, made, f"{TYPES}.change_classes")
+        ("edit_object_types", {"action": action}, made, f"{TYPES}.edit_object_types")
         for action in ("ADD", "REMOVE", "UP", "DOWN")
         for made in (scattered, two_types)
     ),
@@ -238,7 +238,7 @@ CASES = [
     ),
     ("remove_material", {"index": 0}, of_material, f"{DENSITY}.settings_changed"),
     ("lock_points", {"every": True}, scattered, f"{HAND}.operators.lock_points"),
-    ("select_overlap", {}, touching, "blender.object_types.classes.select_overlap"),
+    ("select_overlap", {}, touching, "blender.object_types.operators.select_overlap"),
     ("select_scatter", FIRST, two_scatters, "blender.add.scatter_list.activate"),
     ("select_surface", {}, two_scatters, "blender.add.scatter_list.activate"),
     ("solo_scatter", {}, two_scatters, "blender.add.scatter_list.show_solo"),

@@ -155,7 +155,7 @@ def test_a_canceled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
 
 
 def held(obj):
-    return addon_host.part("blender.base.object_handles").Held(obj)
+    return addon_host.part("blender.base.object_handles").ObjectHandle(obj)
 
 
 def test_a_canceled_optimization_leaves_the_scene_as_it_was(steps, errors):

@@ -22,7 +22,7 @@ def places_of(obj, frame):
 @pytest.fixture
 def obj():
     made = scenes.scattered(scenes.tail())
-    made.dapple.auto_update_choice = "OFF"
+    made.dapple.auto_update_mode = "OFF"
     return made
 
 
@@ -175,7 +175,7 @@ def scatter_deleted(obj):
 )
 def test_what_the_bake_takes_may_not_change_meanwhile(artist, obj, change, said):
     bpy.context.scene.frame_set(2)
-    about = artist.jobs.Held(obj)
+    about = artist.jobs.ObjectHandle(obj)
     at_frame(artist, 3)
     change(obj)
     artist.finish()
@@ -231,7 +231,7 @@ def test_it_pauses_while_the_artist_looks_for_a_frame(artist, obj, monkeypatch):
 def test_it_pauses_while_something_else_has_the_file(artist, obj, monkeypatch, what):
     at_frame(artist, 2)
     under_way = artist.jobs
-    owner = under_way.renders if what == "busy" else under_way.artist
+    owner = under_way.renders if what == "busy" else under_way.user_activity
     monkeypatch.setattr(owner, what, lambda: True)
     frame = bpy.context.scene.frame_current
     for _ in range(50):
@@ -296,9 +296,9 @@ def test_another_file_ends_it(artist, obj):
 
 def test_auto_update_waits_for_it(artist, obj, live):
     live.settle()
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     other = scenes.scattered(scenes.sphere(), count=30)
-    other.dapple.auto_update_choice = "ON"
+    other.dapple.auto_update_mode = "ON"
     live.settle()
     scenes.activate(obj)
     at_frame(artist, 2)

@@ -222,7 +222,7 @@ def test_a_face_of_no_density_gets_no_points_while_points_are_kept(live):
     surface = with_faces(cube(), "Road", is_top)
     obj = scenes.scattered(surface, count=300)
     optimized(obj)
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     obj.dapple.density.blocked_areas = "Road"
     assert live.settle() > 0
     assert on_top(scenes.positions(obj)) == 0
@@ -466,7 +466,7 @@ def test_an_assignment_to_other_faces_is_noticed(live):
     surface.data.update()
     said = "Materials of 'Cube' were assigned to other faces: optimize again"
     assert stale(obj, bpy.context) == said
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     assert live.settle() > 0
     found = scenes.positions(obj)
     assert not inside_bottom(found).any()
@@ -477,7 +477,7 @@ def test_other_materials_in_the_slots_are_followed(live):
     obj = scenes.scattered(surface, count=100)
     choose(obj, "Grass")
     optimized(obj, use_material=True)
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     live.settle()
     surface.data.materials[0] = bpy.data.materials["Grass"]
     assert live.settle() > 0
@@ -548,8 +548,8 @@ def test_a_bend_that_cuts_quads_otherwise_does_not_change_corner_values():
     surface = with_faces(bent_grid(), "Grass", lambda center: center[0] > 0.0, domain="CORNER")
     obj = scenes.scattered(surface, count=60)
     optimized(obj, attribute="Grass")
-    contents = addon_host.part("blender.freshness.contents")
-    present = addon_host.part("blender.freshness.scene_snapshot").Present
+    contents = addon_host.part("blender.freshness.content_changes")
+    present = addon_host.part("blender.freshness.scene_snapshot").SceneSnapshot
     for frame in (1, 5):
         bpy.context.scene.frame_set(frame)
         depsgraph = bpy.context.evaluated_depsgraph_get()

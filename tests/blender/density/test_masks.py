@@ -367,7 +367,7 @@ def test_a_result_is_out_of_date_when_that_changes_to_which_a_distance_is(change
 @pytest.mark.parametrize("change", CHANGES)
 def test_auto_update_follows_that_to_which_a_distance_is(live, change):
     obj, curve = by_curve()
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     assert live.settle() == 0
     change(obj, curve)
     assert reason(obj) != ""
@@ -378,7 +378,7 @@ def test_auto_update_follows_that_to_which_a_distance_is(live, change):
 
 def test_an_object_no_mask_uses_any_more_is_not_followed(live):
     obj, curve = by_curve()
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     obj.dapple.density.use_distance = False
     assert live.settle() == 1
     curve.location.y = 0.5
@@ -388,7 +388,7 @@ def test_an_object_no_mask_uses_any_more_is_not_followed(live):
 
 def test_an_object_that_is_deleted_leaves_the_others(live):
     obj, curve = by_curve()
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     live.settle()
     bpy.data.objects.remove(curve)
     assert live.settle() == 1
@@ -417,7 +417,7 @@ MASK_SETTINGS = {
 @pytest.mark.parametrize("name", MASK_SETTINGS)
 def test_a_setting_of_a_mask_is_a_change_and_followed(live, name):
     obj, _ = by_curve(use_noise=name.startswith("noise_"))
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     setattr(obj.dapple.density, name, MASK_SETTINGS[name])
     assert "Settings were changed (Density)" in reason(obj)
     assert live.settle() == 1
@@ -476,7 +476,7 @@ def test_a_curve_that_moves_leaves_what_is_far_from_it(live):
         guides.objects.link(one)
     activate(surface)
     obj = scenes.scattered(surface, count=100)
-    obj.dapple.auto_update_choice, obj.dapple.amount = "ON", "PER_AREA"
+    obj.dapple.auto_update_mode, obj.dapple.amount = "ON", "PER_AREA"
     obj.dapple.points_per_area = 100.0
     density = obj.dapple.density
     density.use_distance, density.distance_collection, density.distance_falloff = True, guides, 0.3

@@ -52,7 +52,7 @@ def painted(live, amount, locked, count):
     group = surface.vertex_groups.new(name="Grass")
     group.add(range(len(surface.data.vertices)), 1.0, "REPLACE")
     obj = scenes.scattered(surface, count=count)
-    obj.dapple.auto_update_choice, obj.dapple.keep_points = "ON", True
+    obj.dapple.auto_update_mode, obj.dapple.keep_points = "ON", True
     obj.dapple.amount, obj.dapple.points_per_area = amount, count / 12.0
     obj.dapple.density.attribute = "Grass"
     live.settle()

@@ -153,7 +153,7 @@ def gone_on(camera):
 def test_colors_follow_the_camera(overlay, change):
     camera = seen_by_a_camera()
     camera.data.lens = 80.0
-    obj = sloped(use_camera=True, camera_margin=0.0)
+    obj = sloped(use_camera_view=True, camera_margin=0.0)
     scenes.activate(obj)
     bpy.ops.dapple.show_density()
     before = overlay.triangles()
@@ -178,7 +178,7 @@ def test_colors_follow_a_frame_of_a_moving_surface_and_another_surface(overlay):
 
 def test_nothing_is_computed_while_nothing_changes(overlay, monkeypatch):
     seen_by_a_camera()
-    obj = sloped(use_camera=True)
+    obj = sloped(use_camera_view=True)
     scenes.activate(obj)
     bpy.ops.dapple.show_density()
     looked(overlay)
@@ -218,14 +218,14 @@ def test_what_cannot_be_shown_is_told_by_the_panel_of_a_window(overlay, monkeypa
 def test_nothing_is_computed_while_blender_renders(overlay, monkeypatch):
     obj = sloped(use_height=True)
     bpy.ops.dapple.show_density()
-    ticked, draw, asked = [], probe.ProbeEngine.empty_picture, overlay.asked_of
+    ticked, draw, asked = [], probe.ProbeEngine.empty_picture, overlay.request_of
 
     def drawn(self, scene):
         overlay.touch(obj)
         wait(overlay)
         draw(self, scene)
 
-    monkeypatch.setattr(overlay, "asked_of", lambda obj: ticked.append(1) or asked(obj))
+    monkeypatch.setattr(overlay, "request_of", lambda obj: ticked.append(1) or asked(obj))
     monkeypatch.setattr(probe.ProbeEngine, "empty_picture", drawn)
     with probe.registered():
         probe.render(obj, 1)

@@ -75,7 +75,7 @@ def test_a_new_group_takes_nothing_from_an_amount_by_area(obj):
 
 
 def test_the_first_stroke_can_gather_points(obj):
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     with following.driven() as live:
         paint("paint_density")
         live.settle()
@@ -133,7 +133,7 @@ def one_window():
 
 
 def test_points_follow_a_stroke_while_one_paints(obj):
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     with following.driven() as live:
         paint("paint_density")
         live.settle()
@@ -147,12 +147,12 @@ def test_points_follow_a_stroke_while_one_paints(obj):
 
 def test_what_was_asked_for_is_called_so_while_one_paints(live, obj):
     paint("paint_density")
-    live.watcher.ask(obj)
+    live.watcher.request(obj)
     assert "Optimizing: 0%" in test_panels.drawn()
 
 
 def test_what_is_blocked_stays_free_whatever_the_density_is(obj):
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     surface = obj.dapple.surface
     with following.driven() as live:
         paint("paint_density")

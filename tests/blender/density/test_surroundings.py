@@ -75,7 +75,7 @@ def test_an_image_that_repeats_is_cut_no_finer_than_the_points_need(times):
     obj.dapple.density.image = picture(values)
     settings = addon_host.part("blender.scatter.object").settings_of(obj)
     arrays = addon_host.part("blender.surface.reading").read(obj.dapple.surface, settings)
-    ground = addon_host.part("core.density.ground").ground_of(arrays, settings)
+    ground = addon_host.part("core.density.masked_surface").masked_surface_of(arrays, settings)
     assert len(ground.surface.faces) < 30 * 400 + 2 * len(arrays.faces)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.report.converged
@@ -147,7 +147,7 @@ def test_points_lie_where_the_camera_looks():
     bpy.context.view_layer.update()
     activate(surface)
     obj = scenes.scattered(surface, count=300)
-    found = optimized(obj, use_camera=True, camera_margin=0.0)
+    found = optimized(obj, use_camera_view=True, camera_margin=0.0)
     half = 5 * math.tan(camera.data.angle_x / 2)
     render = bpy.context.scene.render
     low = half * render.resolution_y / render.resolution_x
@@ -289,7 +289,7 @@ def test_what_cannot_be_a_density_is_told_and_nothing_is_lost(given, said):
         surface.data.uv_layers.remove(surface.data.uv_layers[0])
         surface.data.update()
     if given in ("camera", "unseen"):
-        density.use_camera = True
+        density.use_camera_view = True
     if given == "unseen":
         camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         bpy.context.collection.objects.link(camera)
@@ -311,6 +311,6 @@ def test_a_result_of_before_these_settings_is_not_stale():
         addon_host.part("core.solve.stale"),
         addon_host.part("core.settings.values").Settings(),
     )
-    old = stale.settings_text(settings).replace('"use_camera": false, ', "")
-    assert "use_camera" not in old
+    old = stale.settings_text(settings).replace('"use_camera_view": false, ', "")
+    assert "use_camera_view" not in old
     assert stale.changed_settings(old, settings) == []

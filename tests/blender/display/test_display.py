@@ -41,11 +41,11 @@ def over_the_field():
 def detailed(obj, **settings):
     """Switch the level of detail on, with nothing but the distance unless told."""
     plain = {
-        "outside": 1.0,
+        "outside_view": 1.0,
         "margin": 0.0,
         "fade": 0.0,
         "minimum": 0.0,
-        "distance": 5.0,
+        "full_until": 5.0,
         "widen": 0.0,
     }
     for name, value in (plain | settings).items():
@@ -184,7 +184,7 @@ def instances_of_render(_surface, depsgraph):
 
 def test_half_the_order_is_left_where_half_is_kept():
     """What is left at each distance is a beginning of the order, as long as it is to be."""
-    obj = detailed(field(), distance=8.0, minimum=0.1)
+    obj = detailed(field(), full_until=8.0, minimum=0.1)
     eye = np.array(over_the_field().location)
     places, ranks = stored(obj), attribute(obj, "dapple_rank")
     ratio = 8.0 / np.maximum(np.linalg.norm(places - eye, axis=1), 8.0)
@@ -203,7 +203,7 @@ def unevenness(places, share, density):
 
 
 def test_what_is_left_is_even_at_every_distance():
-    obj = detailed(field(3000), distance=8.0)
+    obj = detailed(field(3000), full_until=8.0)
     eye = np.array(over_the_field().location)
     places = stored(obj)
     far = np.linalg.norm(places - eye, axis=1)
@@ -236,7 +236,7 @@ def test_what_is_left_is_even_at_every_distance():
 )
 @pytest.mark.parametrize("size", [(160, 90), (90, 160), (100, 100)])
 def test_outside_the_frame_nothing_is_left(lens, size):
-    obj = detailed(field(600), outside=0.0, distance=1000.0)
+    obj = detailed(field(600), outside_view=0.0, full_until=1000.0)
     obj.location, obj.scale = (3.0, 1.0, 0.0), (2.0, 1.0, 0.5)
     eye = camera((4.0, -12.0, 9.0), (0.9, 0.2, 0.3), **lens)
     eye.scale = (2.0, 2.0, 2.0)
@@ -268,7 +268,7 @@ def placed(obj):
 
 
 def test_a_margin_is_a_distance_from_the_view():
-    obj = detailed(field(), outside=0.0, distance=1000.0)
+    obj = detailed(field(), outside_view=0.0, full_until=1000.0)
     camera((0.0, 0.0, 10.0), (0.0, 0.0, 0.0), type="ORTHO", ortho_scale=20.0)
     bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 100
     for margin in (0.0, 3.0):
@@ -279,7 +279,7 @@ def test_a_margin_is_a_distance_from_the_view():
 
 
 def test_a_share_is_left_outside_the_view():
-    obj = detailed(field(), outside=0.2, distance=1000.0)
+    obj = detailed(field(), outside_view=0.2, full_until=1000.0)
     camera((0.0, 0.0, 10.0), (math.pi, 0.0, 0.0))
     assert len(scenes.positions(obj)) == pytest.approx(300, abs=1)
     obj.dapple.viewport_share = 0.5
@@ -287,13 +287,13 @@ def test_a_share_is_left_outside_the_view():
 
 
 def test_a_panorama_sees_everything():
-    obj = detailed(field(300), outside=0.0, distance=1000.0)
+    obj = detailed(field(300), outside_view=0.0, full_until=1000.0)
     camera((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), type="PANO")
     assert len(scenes.positions(obj)) == 300
 
 
 def test_without_a_camera_all_points_are_shown():
-    obj = detailed(field(100), outside=0.0, distance=0.01)
+    obj = detailed(field(100), outside_view=0.0, full_until=0.01)
     assert len(scenes.positions(obj)) == 100
     over_the_field()
     assert len(scenes.positions(obj)) < 10
@@ -301,17 +301,17 @@ def test_without_a_camera_all_points_are_shown():
 
 def test_points_without_ranks_are_shown_wherever_any_are():
     """Of files of versions that had no ranks."""
-    obj = detailed(field(100), outside=1.0, distance=0.1, minimum=0.01)
+    obj = detailed(field(100), outside_view=1.0, full_until=0.1, minimum=0.01)
     obj.data.attributes.remove(obj.data.attributes["dapple_rank"])
     over_the_field()
     assert len(scenes.positions(obj)) == 100
     obj.dapple.detail_minimum = 0.0
-    obj.dapple.detail_outside = 0.0
+    obj.dapple.detail_outside_view = 0.0
     assert 0 < len(scenes.positions(obj)) < 100
 
 
 def test_instances_shrink_before_they_vanish():
-    obj = detailed(field(), distance=6.0, fade=0.3)
+    obj = detailed(field(), full_until=6.0, fade=0.3)
     eye = np.array(over_the_field().location)
     places, ranks = stored(obj), attribute(obj, "dapple_rank")
     found = scenes.instance_matrices(obj)
@@ -327,7 +327,7 @@ def test_instances_shrink_before_they_vanish():
 
 
 def test_what_is_left_covers_as_much_ground_as_all_did():
-    obj = detailed(field(), distance=6.0, minimum=0.1, widen=1.0)
+    obj = detailed(field(), full_until=6.0, minimum=0.1, widen=1.0)
     obj.dapple.scale = 2.0
     over_the_field()
     wide, deep, tall = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, :3], axis=1).T
@@ -346,7 +346,7 @@ def test_object_types_keep_their_shares():
     bpy.ops.dapple.optimize()
     thing = things().objects[0]
     obj.dapple.object_types[1].instance = thing
-    detailed(obj, distance=0.1, minimum=0.2)
+    detailed(obj, full_until=0.1, minimum=0.2)
     over_the_field()
     counts = instances(obj)
     assert len(counts) == pytest.approx(180, abs=2)
@@ -354,7 +354,7 @@ def test_object_types_keep_their_shares():
 
 
 def test_renders_choose_for_themselves():
-    obj = detailed(field(300), distance=0.1, minimum=0.1)
+    obj = detailed(field(300), full_until=0.1, minimum=0.1)
     over_the_field()
     with probe.registered():
         for viewport, renders in ((True, False), (False, True), (True, True), (False, False)):
@@ -370,7 +370,7 @@ def test_a_bake_is_played_with_it_and_without():
     bpy.context.scene.frame_set(3)
     baked = scenes.positions(obj)
     camera((0.0, -50.0, 2.0), (math.radians(90), 0.0, 0.0))
-    detailed(obj, distance=0.1, minimum=0.3)
+    detailed(obj, full_until=0.1, minimum=0.3)
     assert len(scenes.positions(obj)) == pytest.approx(30, abs=1)
     assert is_among(scenes.positions(obj), baked).all()
     obj.dapple.detail_in_viewport = False
@@ -378,7 +378,7 @@ def test_a_bake_is_played_with_it_and_without():
 
 
 def test_lenses_and_cameras_that_change_are_followed():
-    obj = detailed(field(400), outside=0.0, distance=1000.0)
+    obj = detailed(field(400), outside_view=0.0, full_until=1000.0)
     scene, counts = bpy.context.scene, []
     wide, long = (camera((0, 0, 20), (0, 0, 0), lens=lens) for lens in (30.0, 90.0))
     for current in (wide, long):
@@ -428,12 +428,12 @@ def test_an_older_node_group_is_exchanged_when_it_cannot_show_it():
 
 
 def test_the_modifier_tab_is_taken_over():
-    obj = detailed(field(100), distance=3.0)
+    obj = detailed(field(100), full_until=3.0)
     bpy.context.view_layer.update()
-    addon_host.part("nodes").set_input(obj.modifiers[0], "Detail Distance", 7.0)
+    addon_host.part("nodes").set_input(obj.modifiers[0], "Detail Full Until", 7.0)
     obj.update_tag()
     bpy.context.view_layer.update()
-    assert obj.dapple.detail_distance == pytest.approx(7.0)
+    assert obj.dapple.detail_full_until == pytest.approx(7.0)
 
 
 PLAYED = """
@@ -449,7 +449,7 @@ for camera in ("Camera", "Camera.001"):
 
 def test_it_is_played_without_the_add_on_and_without_python(tmp_path):
     """No driver is an expression that Blender would have to be allowed to run."""
-    obj = detailed(field(400), outside=0.0, distance=1000.0)
+    obj = detailed(field(400), outside_view=0.0, full_until=1000.0)
     for lens in (30.0, 90.0):
         camera((0, 0, 20), (0, 0, 0), lens=lens)
     counts = []
@@ -471,7 +471,7 @@ def test_it_is_played_without_the_add_on_and_without_python(tmp_path):
 
 
 def test_cameras_bound_to_markers_are_followed(tmp_path):
-    obj = detailed(field(400), outside=0.0, distance=1000.0)
+    obj = detailed(field(400), outside_view=0.0, full_until=1000.0)
     obj.dapple.detail_in_renders = True
     scene = bpy.context.scene
     render = scene.render

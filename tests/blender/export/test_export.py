@@ -11,7 +11,7 @@ import child
 import numpy as np
 import pytest
 import scenes
-from test_classes import with_classes
+from test_object_types import with_classes
 
 pytestmark = pytest.mark.usefixtures("addon")
 

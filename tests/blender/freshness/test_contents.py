@@ -67,7 +67,7 @@ def moved_texture():
 
 def moved_camera():
     made = camera()
-    obj = solved(scenes.sphere(), use_camera=True)
+    obj = solved(scenes.sphere(), use_camera_view=True)
     yield obj
     made.location.x = 0.5
     yield "The camera was moved or changed"
@@ -75,7 +75,7 @@ def moved_camera():
 
 def zoomed_camera():
     made = camera()
-    obj = solved(scenes.sphere(), use_camera=True)
+    obj = solved(scenes.sphere(), use_camera_view=True)
     yield obj
     made.data.lens = 70.0
     yield "The camera was moved or changed"

@@ -16,7 +16,7 @@ def test_names_alone_change_nothing():
         surface,
         attribute="Grass",
         image=image,
-        use_camera=True,
+        use_camera_view=True,
         avoid_collection=bpy.data.collections["Stones"],
     )
     named = (surface, surface.data, stone, image, made, obj, obj.data)
@@ -47,7 +47,7 @@ def test_a_scene_that_is_moved_as_a_whole_fits(scale):
     above = linked(bpy.data.objects.new("Above", None))
     for one in (surface, stone, made):
         one.parent = above
-    obj = solved(surface, use_camera=True, avoid_collection=bpy.data.collections["Stones"])
+    obj = solved(surface, use_camera_view=True, avoid_collection=bpy.data.collections["Stones"])
     above.location, above.rotation_euler = (3, -40, 5), (1, 2, 3)
     assert reason(obj) == ""
     stone.location.x = 1e-3

@@ -24,7 +24,7 @@ def waiting(monkeypatch):
     freshness, reads = part(), Counter()
     monkeypatch.setattr(freshness, "at_once", False)
     monkeypatch.setattr(freshness, "is_shown", lambda obj: obj == bpy.context.object)
-    for name in ("PAUSE", "PATIENCE", "RARELY", "GLANCE"):
+    for name in ("PAUSE", "PATIENCE", "IMAGE_PATIENCE", "IMAGE_PAUSE"):
         monkeypatch.setattr(freshness, name, 0.0)
     counted = {
         "blender.freshness.scene_snapshot": (
@@ -152,7 +152,7 @@ def test_obstacles_and_the_camera_are_watched(waiting):
     bpy.context.scene.camera.location.z = 9.0
     bpy.context.scene.collection.objects.link(bpy.context.scene.camera)
     obj = scenes.scattered(surface)
-    obj.dapple.density.avoid_collection, obj.dapple.density.use_camera = stones, True
+    obj.dapple.density.avoid_collection, obj.dapple.density.use_camera_view = stones, True
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     drawn()
     looked(waiting)
@@ -219,7 +219,7 @@ def test_nothing_is_looked_at_meanwhile(waiting, busy, monkeypatch):
     elif busy == "under_way":
         monkeypatch.setattr(freshness.step_operators, "is_under_way", lambda: True)
     else:
-        monkeypatch.setattr(freshness.artist, "is_playing", lambda: True)
+        monkeypatch.setattr(freshness.user_activity, "is_playing", lambda: True)
     assert not looked(waiting)
     assert UNKNOWN in drawn()
     handlers.publish("render_ended")

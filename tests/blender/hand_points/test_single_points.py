@@ -47,7 +47,7 @@ def clear_cut(obj):
 def obj():
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32)
     made = scenes.scattered(bpy.context.object, count=600)
-    made.dapple.auto_update_choice = "OFF"
+    made.dapple.auto_update_mode = "OFF"
     return made
 
 
@@ -166,12 +166,12 @@ def test_a_ray_meets_the_surface_alone(obj):
     surface = obj.dapple.surface
     surface.location.x = 1.0
     bpy.context.view_layer.update()
-    there = picking.met(surface, vector((1.01, 0.02, 5.0)), vector((0.0, 0.0, -1.0)))
+    there = picking.ray_hit(surface, vector((1.01, 0.02, 5.0)), vector((0.0, 0.0, -1.0)))
     np.testing.assert_allclose(there, [1.01, 0.02, 1.0], atol=0.01)
-    assert picking.met(surface, vector((3.0, 0.0, 5.0)), vector((0.0, 0.0, -1.0))) is None
+    assert picking.ray_hit(surface, vector((3.0, 0.0, 5.0)), vector((0.0, 0.0, -1.0))) is None
     bpy.ops.surface.primitive_nurbs_surface_sphere_add()
     ball = bpy.context.object
-    assert picking.met(ball, vector((0.1, 0.1, 5.0)), vector((0.0, 0.0, -1.0)))[2] > 0.5
+    assert picking.ray_hit(ball, vector((0.1, 0.1, 5.0)), vector((0.0, 0.0, -1.0)))[2] > 0.5
 
 
 def test_nothing_edited_changes_nothing(obj):
@@ -263,7 +263,7 @@ def test_exact_counts_of_object_types_follow(obj):
 
 @pytest.mark.parametrize("amount", ["COUNT", "PER_AREA"])
 def test_auto_update_evens_the_others_around_them(live, obj, amount):
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     obj.dapple.count, obj.dapple.points_per_area, obj.dapple.amount = 2000, 160.0, amount
     live.settle()
     bpy.ops.dapple.optimize()
@@ -292,7 +292,7 @@ def test_auto_update_evens_the_others_around_them(live, obj, amount):
 
 
 def test_undo_is_one_step(live, obj):
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     name = obj.name
     live.settle()
     before = stored(obj)

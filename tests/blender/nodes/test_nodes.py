@@ -162,21 +162,21 @@ def test_groups_are_built_once_and_have_no_broken_link():
     assert parts == [
         f"Dapple {part}"
         for part in (
+            "Alignment",
             "Bound Place",
-            "Fit",
-            "Fitting",
+            "Check",
+            "Fit to Spacing",
+            "Frame Keys",
             "Instances",
             "Key Point",
-            "Moment",
+            "Orientation",
             "Points",
-            "Posture",
             "Rest Place",
             "Rest Shape",
             "Shading",
-            "Standing",
             "Surface",
             "Viewport",
-            "Weighted",
+            "Weighted Objects",
         )
     ]
     others = [nodes.ensure_group(classes) for classes in (1, 2, 5)]
@@ -245,7 +245,7 @@ def test_a_thing_is_turned_by_the_angle_of_its_key_and_its_own(align):
     )
     vertices, count = scenes.world_vertices(surface), len(corners)
     carry = np.linspace(-3.0, 3.0, count)
-    obj.data.attributes["dapple_carry"].data.foreach_set("value", carry.astype(np.float32))
+    obj.data.attributes["dapple_angle"].data.foreach_set("value", carry.astype(np.float32))
     own = np.empty(count, dtype=np.float32)
     obj.data.attributes["dapple_turn"].data.foreach_get("value", own)
     binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), carry)

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 import scenes
-from test_classes import classes_of, with_classes
+from test_object_types import classes_of, with_classes
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -133,7 +133,7 @@ def test_a_collection_in_a_collection_is_fitted_as_a_whole():
     names, _, scales = shown(obj)
     chosen = np.array(names) == "Right"
     assert chosen.sum() == 60
-    room = np.array([one.value for one in obj.data.attributes["dapple_room"].data])
+    room = np.array([one.value for one in obj.data.attributes["dapple_clearance"].data])
     assert np.allclose(scales[chosen, 0] * np.hypot(3.5, 0.5), room, rtol=1e-4)
 
 

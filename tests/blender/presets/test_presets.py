@@ -235,7 +235,7 @@ def of(density=None, **own):
     ("text", "said"),
     [
         (of({"attribute": "Grass", "curvature": 0.5}), "no attribute or vertex group 'Grass'"),
-        (of({"use_camera": True, "curvature": 0.5}), "has no camera"),
+        (of({"use_camera_view": True, "curvature": 0.5}), "has no camera"),
         (of({"uv_map": "Painted", "curvature": 0.5}), "no UV map 'Painted'"),
         (of({"curvature": 0.5}, random_tilt="steep"), r"random_tilt \('steep'\)"),
         (of({"curvature": 0.5}, seed=-3), r"seed \(-3\)"),

@@ -133,7 +133,7 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
     obj.dapple.seed, obj.dapple.report.worst_overlap = 7, 0.2
     bpy.context.scene.frame_set(1)
     monkeypatch.setattr(part(), "pgettext_iface", lambda message, context="*": f"«{message}»")
-    monkeypatch.setattr(addon_host.part("blender.base.labels"), "room", lambda _icon: 100_000)
+    monkeypatch.setattr(addon_host.part("blender.base.labels"), "line_width", lambda _icon: 100_000)
     known, lines = {message for _, message in messages.shown()}, []
 
     class Layout(test_panels.Layout):
@@ -148,7 +148,7 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
 
 # Texts shown with another text or in a field, or verified to fit.
 ELSEWHERE = {
-    "auto_update_choice",
+    "auto_update_mode",
     "avoid_collection",
     "preview_budget",
     "random_scale_up",
@@ -228,7 +228,7 @@ def test_items_of_menus_are_told_from_blenders_own_words(german):
 
 
 def test_one_is_no_plural(german):
-    counted = part().counted
+    counted = part().translated_count
     assert counted(1, "{count} instance", "{count:,} instances") == "1 Instanz"
     assert counted(0, "{count} instance", "{count:,} instances") == "0 Instanzen"
     assert counted(2000, "{count} instance", "{count:,} instances") == "2,000 Instanzen"
@@ -283,7 +283,7 @@ def test_broken_catalogs_are_named_and_left_out(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize("text", ["{other} Punkte", "{count", "{count.far}", "{0}", "{count:q}"])
 def test_a_text_that_cannot_be_filled_in_is_left_english(text, monkeypatch):
     monkeypatch.setattr(part(), "pgettext_iface", lambda _message: text)
-    assert part().told("{count:,} points", count=5) == "5 points"
+    assert part().translated("{count:,} points", count=5) == "5 points"
 
 
 def test_the_zip_has_the_catalogs(tmp_path):

@@ -15,7 +15,7 @@ from following import long, short
 @pytest.fixture
 def obj():
     made = scenes.scattered(scenes.sphere(), count=60)
-    made.dapple.auto_update_choice = "ON"  # on any machine, however slow
+    made.dapple.auto_update_mode = "ON"  # on any machine, however slow
     return made
 
 
@@ -94,7 +94,7 @@ def test_no_pause_follows_a_stroke_or_a_move_that_has_ended(live, obj, held, mon
     group = grown_and_followed(live, obj)
     monkeypatch.setattr(addon_host.part("blender.solve.changes"), "is_using_tool", lambda: True)
     if held:  # like a brush stroke
-        monkeypatch.setattr(live.watcher, "is_held", lambda: True)
+        monkeypatch.setattr(live.watcher, "is_blocked", lambda: True)
     for first in range(0, 60, 20):
         group.add(range(first, first + 20), 0.0, "REPLACE")
         obj.dapple.surface.data.update()
@@ -153,7 +153,7 @@ def test_what_is_avoided_and_the_camera_are_followed(live, obj):
     stones.objects.link(other)
     followed(live, obj)
     camera = viewed()
-    obj.dapple.density.use_camera = True
+    obj.dapple.density.use_camera_view = True
     followed(live, obj)
     camera.location.x = 0.5
     followed(live, obj)
@@ -169,7 +169,7 @@ def test_what_it_writes_itself_does_not_begin_it_anew_under_a_camera(live, obj, 
     measured = keep.measured
     monkeypatch.setattr(keep, "measured", lambda *now: (time.sleep(0.05), measured(*now))[1])
     camera = viewed()
-    obj.dapple.density.use_camera = True
+    obj.dapple.density.use_camera_view = True
     live.settle()
     for x in (0.5, 0.2, -0.3):
         camera.location.x = x
@@ -183,7 +183,7 @@ def test_the_width_of_a_render_is_followed_under_a_camera_alone(live, obj):
     live.settle()
     scene.render.resolution_x = 900
     assert live.settle() == 0
-    obj.dapple.density.use_camera = True
+    obj.dapple.density.use_camera_view = True
     live.settle()
     scene.render.resolution_x = 400
     followed(live, obj)
@@ -229,7 +229,7 @@ def test_cancel_leaves_the_points_and_says_that_they_are_out_of_date(live, obj):
 
 def test_on_by_itself_while_it_is_quick_and_as_the_artist_says(live, obj):
     settings = obj.dapple
-    settings.auto_update_choice = "AUTOMATIC"
+    settings.auto_update_mode = "AUTOMATIC"
     settings.report.milliseconds = 999.0
     assert settings.auto_update
     settings.report.milliseconds = 1001.0
@@ -305,7 +305,7 @@ def test_a_shape_that_is_edited_at_another_frame_is_followed_where_the_points_we
 
 def test_playing_a_frame_is_no_change(live):
     obj = scenes.scattered(scenes.tail(frames=6))
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     live.settle()
     for frame in (2, 4, 6):
         bpy.context.scene.frame_set(frame)
@@ -315,7 +315,7 @@ def test_playing_a_frame_is_no_change(live):
 def test_nothing_is_done_while_something_else_has_the_file(live, obj, monkeypatch):
     live.settle()
     obj.dapple.count = 70
-    monkeypatch.setattr(live.watcher, "is_held", lambda: True)
+    monkeypatch.setattr(live.watcher, "is_blocked", lambda: True)
     for _ in range(5):
         live.clock.rest()
         assert live.look() > 0.0
@@ -335,7 +335,7 @@ def test_a_render_and_an_operator_take_its_place_and_it_goes_on_afterward(
         for event in ("render_began", "render_ended"):
             addon_host.part("blender.base.handlers").publish(event)
     else:
-        for name in ("is_under_way", "is_held"):
+        for name in ("is_under_way", "is_blocked"):
             monkeypatch.setattr(live.watcher, name, lambda: True)
         live.look()
         monkeypatch.undo()
@@ -375,7 +375,7 @@ def test_scatters_that_avoid_each_other_come_to_rest(live):
         bpy.context.scene.collection.children.link(collection)
         one.dapple.density.avoid_collection = collection
         one.dapple.density.avoid_margin = 0.05
-        one.dapple.auto_update_choice = "ON"
+        one.dapple.auto_update_mode = "ON"
     assert 2 <= live.settle() <= 4
     both[0].dapple.seed = 5
     assert live.settle() == 2

@@ -17,7 +17,7 @@ def obj(live):
     surface = bpy.context.object
     grown(surface).add(range(len(surface.data.vertices)), 1.0, "REPLACE")
     made = scenes.scattered(surface, count=100)
-    made.dapple.auto_update_choice = "ON"
+    made.dapple.auto_update_mode = "ON"
     made.dapple.amount, made.dapple.points_per_area = "PER_AREA", 60.0
     made.dapple.density.attribute = "Grass"
     assert live.settle() > 0

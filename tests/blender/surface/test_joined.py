@@ -326,7 +326,7 @@ def share(obj):
 def test_painting_begins_on_the_part_that_was_clicked_last():
     left, middle, right = tiles()
     obj = over(left, middle, right, count=90)
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     for part in (left, middle):
         select(part)
         bpy.context.view_layer.update()
@@ -369,7 +369,7 @@ def test_points_follow_an_edited_and_a_moved_part():
     left, middle, right = tiles()
     terrain = collection_of(left, middle)
     obj = over_collection(terrain, count=60)
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     with following.driven() as live:
         live.settle()
         for vertex in left.data.vertices:
@@ -525,7 +525,7 @@ def test_linked_parts_are_scattered_on_and_not_written_to(library):
 def test_the_surface_of_a_scatter_is_made_of_other_objects():
     left, middle, right = tiles()
     obj = over(left, middle, count=60)
-    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.auto_update_mode = "ON"
     select(obj)
     assert not bpy.ops.dapple.surface_from_selected.poll()
     assert "dapple.surface_from_selected" not in test_panels.drawn()

@@ -163,7 +163,7 @@ def check_as_python_says(obj, surface):
     reading, frames = part("blender.surface.mesh"), part("core.surface.frames")
     arrays = reading.read_mesh(surface)
     binding, _ = part("blender.scatter.points").read_binding(obj, len(arrays.vertices))
-    expected = frames.frames(binding, arrays.vertices, frames.shading(arrays)).axes(binding.carry)
+    expected = frames.frames(binding, arrays.vertices, frames.shading(arrays)).axes(binding.angle)
     assert np.einsum("nij,nij->nj", scenes.rotations(obj), expected).min() > 0.9999
 
 
@@ -249,7 +249,7 @@ def test_the_package_is_told_the_shading_normals(make):
     part = addon_host.part
     reading, settings = part("blender.surface.mesh"), part("core.settings.values")
     arrays = reading.read_mesh(surface)
-    ground = part("core.density.ground").ground_of(arrays, settings.Settings())
+    ground = part("core.density.masked_surface").masked_surface_of(arrays, settings.Settings())
     told, own = ground.surface.corner_normals, part("core.surface.frames").corner_normals(arrays)
     # equal where the surface is smooth, with other triangles
     np.testing.assert_allclose(told, own, atol=2e-3)

@@ -15,7 +15,7 @@ from ...core.surface.records import check_columns
 from ..base.mesh_arrays import matrix_of, read_points, to_world
 from ..scatter.object import is_scatter
 from .joined_parts import parts_of
-from .played import points_now
+from .playback import points_now
 
 _MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 

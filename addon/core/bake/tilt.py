@@ -34,11 +34,11 @@ class Shown:
     spacing: float
 
 
-class Leaning:
+class TiltTracker:
     """The leans of a bake, from frame to frame."""
 
     def __init__(self) -> None:
-        self.lean: Floats | None = None  # of the last frame
+        self.tilt: Floats | None = None  # of the last frame
         # Of the last frame, if the surface has come from it: vertices, normals, spacing.
         self._then: tuple[Floats, Normals, float] | None = None
 
@@ -49,30 +49,30 @@ class Leaning:
 
         Points that appear are the last ones of both bindings.
         """
-        lean, then = self.lean, None
-        if lean is not None:
-            lean = padded(lean, len(before.carry))
+        tilt, then = self.tilt, None
+        if tilt is not None:
+            tilt = padded(tilt, len(before.angle))
         if self._then is not None:
             was, shaded, spacing = self._then
-            then = Shown(shown(before, lean, was, shaded), spacing)
-        return leaning(before, lean, after, vertices, normals, then)
+            then = Shown(shown(before, tilt, was, shaded), spacing)
+        return new_tilts(before, tilt, after, vertices, normals, then)
 
-    def add(self, lean: Floats | None, vertices: Floats, normals: Normals, spacing: float) -> None:
+    def add(self, tilt: Floats | None, vertices: Floats, normals: Normals, spacing: float) -> None:
         """A frame is done."""
-        self.lean, self._then = lean, (vertices, normals, spacing)
+        self.tilt, self._then = tilt, (vertices, normals, spacing)
 
     def cross(
         self, before: Binding, first: SurfaceArrays, after: Binding, second: SurfaceArrays
     ) -> None:
         """Go on with another binding, to a surface of the same moment with other faces."""
-        axes = shown(before, self.lean, first.vertices, shading(first))
-        self.lean = lean_to(axes, after, second.vertices, shading(second))
+        axes = shown(before, self.tilt, first.vertices, shading(first))
+        self.tilt = tilt_to(axes, after, second.vertices, shading(second))
         self._then = None
 
 
-def leaning(
+def new_tilts(
     before: Binding,
-    lean: Floats | None,
+    tilt: Floats | None,
     after: Binding,
     vertices: Floats,
     normals: Normals,
@@ -83,10 +83,10 @@ def leaning(
     lean is theirs before; both bindings are looked at on the vertices of the new frame. then is the
     frame before, if there was one.
     """
-    axes = shown(before, lean, vertices, normals)
+    axes = shown(before, tilt, vertices, normals)
     if then is not None:
         axes = steadied(then, axes, before.positions(vertices))
-    turn = lean_to(axes, after, vertices, normals)
+    turn = tilt_to(axes, after, vertices, normals)
     angle = np.linalg.norm(turn, axis=1)
     left = np.maximum(angle - LIMIT, 0.0)
     if not left.any():
@@ -95,10 +95,10 @@ def leaning(
     return found
 
 
-def shown(binding: Binding, lean: Floats | None, vertices: Floats, normals: Normals) -> Floats:
+def shown(binding: Binding, tilt: Floats | None, vertices: Floats, normals: Normals) -> Floats:
     """Axes (n, 3, 3) of instances that lean."""
-    own = frames(binding, vertices, normals).axes(binding.carry)
-    return own if lean is None else own @ rotations(lean)
+    own = frames(binding, vertices, normals).axes(binding.angle)
+    return own if tilt is None else own @ rotations(tilt)
 
 
 def steadied(then: Shown, axes: Floats, places: Floats) -> Floats:
@@ -146,9 +146,9 @@ def _angles(one: Floats, other: Floats) -> Floats:
     return found
 
 
-def lean_to(axes: Floats, binding: Binding, vertices: Floats, normals: Normals) -> Floats:
+def tilt_to(axes: Floats, binding: Binding, vertices: Floats, normals: Normals) -> Floats:
     """Leans (n, 3) that give the instances of a binding these axes."""
-    own = frames(binding, vertices, normals).axes(binding.carry)
+    own = frames(binding, vertices, normals).axes(binding.angle)
     return rotation_vectors(np.swapaxes(own, 1, 2) @ axes)
 
 
@@ -156,8 +156,8 @@ def rotations(vectors: Floats) -> Floats:
     """Matrices (n, 3, 3) of rotation vectors (n, 3), by Rodrigues' formula."""
     angle = np.linalg.norm(vectors, axis=1)[:, None, None]
     x, y, z = vectors.T
-    nought = np.zeros_like(x)
-    cross = np.array([[nought, -z, y], [z, nought, -x], [-y, x, nought]]).transpose(2, 0, 1)
+    zero = np.zeros_like(x)
+    cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
     once = np.sinc(angle / math.pi)  # sin(a) / a
     twice = 0.5 * np.sinc(angle / (2.0 * math.pi)) ** 2  # (1 - cos(a)) / a^2
     found: Floats = np.eye(3) + once * cross + twice * (cross @ cross)

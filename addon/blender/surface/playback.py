@@ -15,7 +15,7 @@ from ..base.times import time_of
 from ..scatter.key_stores import check_keys, frames, read_baked, stored_object
 from ..scatter.object import surface_of
 from ..scatter.points import own_points
-from .bound import current_binding
+from .current_binding import current_binding
 from .mesh import read_mesh, read_outline
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.native import package
-from ..density.ground import Ground
+from ..density.masked_surface import MaskedSurface
 from ..settings.values import Settings
 from ..surface.arrays import Floats, Ints
 from .class_counts import classes_of, sampled, wanted_counts
@@ -25,40 +25,40 @@ _MANY = 0.05  # of all points: where more have to come from elsewhere, all are m
 
 
 def relaxed(
-    ground: Ground,
+    masked: MaskedSurface,
     given: Any,
     changed: Ints,
     settings: Settings,
     context: Any,
     locked: Locked | None,
 ) -> Any:
-    wanted = _wanted(ground, settings)
-    everything = len(changed) == len(ground.surface.faces)
+    wanted = _wanted(masked, settings)
+    everything = len(changed) == len(masked.surface.faces)
     if not len(changed) and wanted == len(given):
         return given
-    if locked is None and _stranded(ground, given) > _STRANDED:
-        return sampled(ground, settings, context)
+    if locked is None and _stranded(masked, given) > _STRANDED:
+        return sampled(masked, settings, context)
     if everything or not len(changed) or not len(given):
-        return resampled(ground, given, settings, context, locked)
-    coming = 0.0 if settings.per_area else _coming(ground, given, changed)
+        return resampled(masked, given, settings, context, locked)
+    coming = 0.0 if settings.per_area else _missing_points(masked, given, changed)
     if locked is None and coming > _MOST * wanted:
-        return sampled(ground, settings, context)
+        return sampled(masked, settings, context)
     if coming > _MANY * wanted:
-        return resampled(ground, given, settings, context, locked)
+        return resampled(masked, given, settings, context, locked)
     options = {
         "locked": locked_rows(given, locked),
         "context": context,
         **settings.sample_options(),
     }
-    found = package().relax(ground.surface, given, changed, **options)
+    found = package().relax(masked.surface, given, changed, **options)
     missing = abs(len(found) - wanted)
     if missing and missing <= _FEW * np.count_nonzero(~staying(given, found)):
-        return package().relax(ground.surface, given, changed, count=wanted, **options)
+        return package().relax(masked.surface, given, changed, count=wanted, **options)
     return found
 
 
 def classes_relaxed(
-    ground: Ground,
+    masked: MaskedSurface,
     given: Any,
     changed: Ints,
     settings: Settings,
@@ -66,17 +66,17 @@ def classes_relaxed(
     locked: Locked | None,
 ) -> Any:
     """Several classes where something has changed; anew where that is everywhere."""
-    if len(changed) == len(ground.surface.faces) or not len(given):
-        return sampled(ground, settings, context, locked)
-    if locked is None and _stranded(ground, given) > _STRANDED:
-        return sampled(ground, settings, context)
+    if len(changed) == len(masked.surface.faces) or not len(given):
+        return sampled(masked, settings, context, locked)
+    if locked is None and _stranded(masked, given) > _STRANDED:
+        return sampled(masked, settings, context)
     options = settings.sample_options()
     options["tolerance"] = max(options.get("tolerance", 0.0), _ROUGH)
     return package().relax(
-        ground.surface,
+        masked.surface,
         given,
         changed,
-        classes=classes_of(ground, settings, wanted_counts(ground, settings)),
+        classes=classes_of(masked, settings, wanted_counts(masked, settings)),
         free_counts=True,
         locked=locked_rows(given, locked),
         context=context,
@@ -85,51 +85,51 @@ def classes_relaxed(
 
 
 def with_counts(
-    ground: Ground, given: Any, settings: Settings, context: Any, locked: Locked | None
+    masked: MaskedSurface, given: Any, settings: Settings, context: Any, locked: Locked | None
 ) -> Any:
     """Several classes, each with its count and even over the whole surface."""
     return package().relax(
-        ground.surface,
+        masked.surface,
         given,
         [],
-        classes=classes_of(ground, settings, wanted_counts(ground, settings)),
+        classes=classes_of(masked, settings, wanted_counts(masked, settings)),
         locked=locked_rows(given, locked),
         context=context,
         **settings.sample_options(),
     )
 
 
-def _stranded(ground: Ground, given: Any) -> float:
+def _stranded(masked: MaskedSurface, given: Any) -> float:
     """Share of the points that are where the density is 0 now."""
     if not len(given):
         return 0.0
-    return float((ground.corner_density()[given.faces] == 0.0).all(axis=1).mean())
+    return float((masked.corner_density()[given.faces] == 0.0).all(axis=1).mean())
 
 
-def off_nothing(
-    ground: Ground, found: Any, settings: Settings, context: Any, locked: Locked | None
+def without_zero_density(
+    masked: MaskedSurface, found: Any, settings: Settings, context: Any, locked: Locked | None
 ) -> Any:
     """The points without those where the density is 0, and others in their place; locked ones stay
     anywhere.
     """
     for _ in range(_TRIES):
-        left = ground.density_at(found) == 0.0
+        left = masked.density_at(found) == 0.0
         left[locked_rows(found, locked)] = False
         if not left.any():
             return found
         who = {"ids": found.ids[~left], "classes": found.classes[~left]}
         places = found.faces[~left], found.barycentric[~left]
-        rest = package().Samples(ground.surface, *places, **who)
-        found = resampled(ground, rest, settings, context, locked)
+        rest = package().Samples(masked.surface, *places, **who)
+        found = resampled(masked, rest, settings, context, locked)
     return found
 
 
-def _coming(ground: Ground, given: Any, changed: Ints) -> float:
+def _missing_points(masked: MaskedSurface, given: Any, changed: Ints) -> float:
     """About how many more points the changed faces need to be as dense as all others."""
-    corners = ground.surface.vertices[ground.surface.faces]
+    corners = masked.surface.vertices[masked.surface.faces]
     sides = corners[:, 1:] - corners[:, :1]
     areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    capacities = areas * ground.corner_density().mean(axis=1)
+    capacities = areas * masked.corner_density().mean(axis=1)
     inside = np.count_nonzero(np.isin(given.faces, changed))
     capacity = float(capacities[changed].sum())
     rest = float(capacities.sum()) - capacity
@@ -137,7 +137,7 @@ def _coming(ground: Ground, given: Any, changed: Ints) -> float:
 
 
 def evened_around(
-    ground: Ground,
+    masked: MaskedSurface,
     given: Any,
     faces: Ints,
     settings: Settings,
@@ -153,14 +153,14 @@ def evened_around(
     def relaxed(samples: Any, where: Ints, count: int | None, rows: Ints) -> Any:
         options = settings.sample_options()
         return package().relax(
-            ground.surface, samples, where, count=count, locked=rows, context=context, **options
+            masked.surface, samples, where, count=count, locked=rows, context=context, **options
         )
 
     found = relaxed(given, faces, None, locked_rows(given, locked))
     spare = abs(len(found) - len(given))
     if not spare:
         return found
-    away = _away(ground, found, faces)
+    away = _distances_from(masked, found, faces)
     nearest = np.argsort(away)[: round(spare / _YIELDS) if spare > _HANDFUL else 0]
     reach = away[nearest].max(initial=0.0) + _RINGS * found.report.spacing
     stay = np.union1d(locked_rows(found, locked), np.flatnonzero(away > reach)).astype(np.int32)
@@ -168,28 +168,28 @@ def evened_around(
     return relaxed(found, around, len(given), stay)
 
 
-def _away(ground: Ground, samples: Any, faces: Ints) -> Floats:
+def _distances_from(masked: MaskedSurface, samples: Any, faces: Ints) -> Floats:
     """Distances (n,) of samples from the nearest of these faces."""
-    middles = ground.surface.vertices[ground.surface.faces[faces]].mean(axis=1)
+    middles = masked.surface.vertices[masked.surface.faces[faces]].mean(axis=1)
     ways = [np.linalg.norm(samples.positions - one, axis=1) for one in middles]
     found: Floats = np.min(ways, axis=0)
     return found
 
 
 def resampled(
-    ground: Ground, given: Any, settings: Settings, context: Any, locked: Locked | None
+    masked: MaskedSurface, given: Any, settings: Settings, context: Any, locked: Locked | None
 ) -> Any:
     """All points made even, as many as there have to be; none of them stays but the locked ones."""
-    options, wanted = settings.sample_options(), _wanted(ground, settings)
+    options, wanted = settings.sample_options(), _wanted(masked, settings)
     rows = locked_rows(given, locked)
     return package().resample(
-        ground.surface, given, wanted, locked=rows, context=context, **options
+        masked.surface, given, wanted, locked=rows, context=context, **options
     )
 
 
-def _wanted(ground: Ground, settings: Settings) -> int:
+def _wanted(masked: MaskedSurface, settings: Settings) -> int:
     """Points of one class."""
-    return wanted_counts(ground, settings)[0]
+    return wanted_counts(masked, settings)[0]
 
 
 def locked_rows(samples: Any, locked: Locked | None) -> Ints:

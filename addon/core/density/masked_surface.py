@@ -12,20 +12,18 @@ from ..surface.frames import SMOOTH, shaded
 from .terms import density_of, fields_of
 
 if TYPE_CHECKING:
-    from dapple3d.density import MaskedSurface
-
-    Ground = MaskedSurface
+    from dapple3d.density import MaskedSurface as MaskedSurface
 else:
-    Ground = Any  # the package may be missing
+    MaskedSurface = Any  # the package may be missing
 
 
-def ground_of(
+def masked_surface_of(
     arrays: SurfaceArrays,
     settings: Settings,
     context: Any = None,
-    like: Ground | None = None,
+    like: MaskedSurface | None = None,
     first: SurfaceArrays | None = None,
-) -> Ground:
+) -> MaskedSurface:
     """Raises ValueError as dapple.Surface does; a dapple.Context can cancel the cutting.
 
     A ground with the same faces, `like`, saves measuring anew those that have not changed.
@@ -54,9 +52,9 @@ def ground_of(
     )
 
 
-def shares(ground: Ground, densities: Floats) -> Floats:
+def shares(masked: MaskedSurface, densities: Floats) -> Floats:
     """Densities as shares of the largest that the ground has."""
-    density = ground.surface.density
+    density = masked.surface.density
     return densities if density is None else densities / density.max()
 
 

@@ -12,7 +12,7 @@ import bpy
 from .builder import Builder, Group, Socket, new_group
 
 
-def _build_standing() -> bpy.types.NodeTree:
+def _build_orientation() -> bpy.types.NodeTree:
     """New group; Z is along the normal, X as near to Ahead as it gets, both turned by Turn about Z.
 
     Normal is a unit vector. The quaternion (1, 0, 0, t), t = tan(Turn / 2), is a turn about Z. It
@@ -20,7 +20,7 @@ def _build_standing() -> bpy.types.NodeTree:
     rotation from there to the normal, which comes last, is never by more than a right angle.
     """
     tree = new_group(
-        STANDING.name,
+        ORIENTATION.name,
         [
             ("Normal", "NodeSocketVector"),
             ("Ahead", "NodeSocketVector"),
@@ -43,7 +43,7 @@ def _build_standing() -> bpy.types.NodeTree:
     return tree
 
 
-STANDING = Group("Dapple Standing", _build_standing)
+ORIENTATION = Group("Dapple Orientation", _build_orientation)
 
 
 def _outward(b: Builder) -> Socket:

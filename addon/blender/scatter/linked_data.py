@@ -3,20 +3,20 @@
 
 import bpy
 
-from ..base.translation import Say, told
+from ..base.translation import Translate, translated
 
 
-def read_only(obj: bpy.types.Object, say: Say = told) -> str:
+def read_only(obj: bpy.types.Object, translate: Translate = translated) -> str:
     """Why nothing that is written to an object would be kept; empty when it is."""
     if obj.library is not None:
-        return say(
+        return translate(
             "'{name}' is linked from '{file}': make it local, make a library override, or "
             "edit that file",
             name=obj.name,
             file=bpy.path.basename(obj.library.filepath),
         )
     if obj.override_library is not None and obj.override_library.is_system_override:
-        return say(
+        return translate(
             "'{name}' is a library override that is not editable: make it editable first",
             name=obj.name,
         )

@@ -17,20 +17,20 @@ from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
 from ..base.step_operators import OPTIONS, AllOrNothing
 from ..base.times import show_time
-from ..base.translation import told
-from ..scatter.library import read_only
+from ..base.translation import translated
+from ..scatter.linked_data import read_only
 from ..scatter.modifier import ensure_modifier, property_name, write_instance_inputs
 from ..scatter.object import is_scatter, settings_of
 from ..scatter.placed_objects import follow_bounds, follow_members
 from ..scatter.points import own_columns, point_columns_of
 from ..settings.updates import settings_changed
-from ..surface.played import places_now
+from ..surface.playback import places_now
 from ..surface.polls import may_be_listed, writable
 
 _COUNTING = {"count", "per_area", "density", "object_types"}  # what the number of points depends on
 
 
-def change_classes(obj: bpy.types.Object, action: str) -> None:
+def edit_object_types(obj: bpy.types.Object, action: str) -> None:
     """ADD, REMOVE, UP or DOWN, at the class that is shown; the node group follows."""
     kinds, at = obj.dapple.object_types, obj.dapple.object_type_index
     if action == "ADD":
@@ -166,13 +166,13 @@ class DAPPLE_OT_edit_object_types(AllOrNothing, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        why = told(
+        why = translated(
             "The object types come from a linked file: edit them there, or make the scatter local"
         )
         return may_be_listed(cls, context, why)
 
     def work(self, context: bpy.types.Context) -> None:
-        change_classes(context.object, self.action)
+        edit_object_types(context.object, self.action)
         settings_changed(context.object.dapple, context)
 
 

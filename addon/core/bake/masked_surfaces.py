@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ..density.ground import Ground, ground_of
+from ..density.masked_surface import MaskedSurface, masked_surface_of
 from ..density.terms import has_mask, names_of
 from ..settings.values import DensitySettings, Settings, materials_of
-from ..solve.class_counts import rooms, shrunk
+from ..solve.class_counts import clearances, shrunk
 from ..surface.arrays import Floats, Ints, SurfaceArrays, Surroundings
 from ..surface.records import Placed
 from ..surface.sources import value_roles
@@ -27,7 +27,7 @@ _AROUND = {
 }
 
 
-class Grounds:
+class MaskedSurfaces:
     """Lays grounds when they are asked for; takes no more of a frame than it is told."""
 
     def __init__(self, bound: SurfaceArrays, settings: Settings) -> None:
@@ -38,8 +38,8 @@ class Grounds:
     def begin(self, bound: SurfaceArrays) -> None:
         """A topology begins."""
         self.bound = self.laid = bound  # laid: the frame whose density holds
-        self._first: Ground | None = None
-        self._now: Ground | None = None
+        self._first: MaskedSurface | None = None
+        self._now: MaskedSurface | None = None
 
     def follow(self, frame: SurfaceArrays) -> Iterator[Any]:
         """Have the density of a frame hold, if it is another; what it is made of, for digests."""
@@ -51,47 +51,49 @@ class Grounds:
         yield from arrays_of(frame)
 
     @property
-    def first(self) -> Ground:
+    def first(self) -> MaskedSurface:
         """Where the topology begins."""
         if self._first is None:
-            self._first = ground_of(self.bound, self._settings)
+            self._first = masked_surface_of(self.bound, self._settings)
         return self._first
 
     @property
-    def now(self) -> Ground:
+    def now(self) -> MaskedSurface:
         """Of the density that holds."""
         if self._now is None:
-            self._now = self._laid_on(self.laid, self.bound, self.first)
+            self._now = self._built_on(self.laid, self.bound, self.first)
         return self._now
 
-    def of(self, laid: SurfaceArrays, bound: SurfaceArrays) -> Ground:
+    def of(self, laid: SurfaceArrays, bound: SurfaceArrays) -> MaskedSurface:
         """Of the density of a frame, on the topology that began at another one."""
         if bound is not self.bound:
-            return self._laid_on(laid, bound, ground_of(bound, self._settings))
-        return self.now if laid is self.laid else self._laid_on(laid, bound, self.first)
+            return self._built_on(laid, bound, masked_surface_of(bound, self._settings))
+        return self.now if laid is self.laid else self._built_on(laid, bound, self.first)
 
-    def with_room(self, placed: Placed, vertices: Floats, classes: Ints) -> Placed:
+    def with_clearance(self, placed: Placed, vertices: Floats, classes: Ints) -> Placed:
         """With the room (n,) that each point has on a frame; those that are not there have none."""
         count = len(placed.faces)
-        there = np.ones(count, dtype=bool) if placed.gone is None else placed.gone < 1.0
+        there = np.ones(count, dtype=bool) if placed.faded is None else placed.faded < 1.0
         places = placed.binding.positions(vertices)[there]
         found = np.zeros(count)
         sized = shrunk(self._settings, self.first.surface)
-        found[there] = rooms(places, classes[:count][there], sized)
-        return replace(placed, room=found)
+        found[there] = clearances(places, classes[:count][there], sized)
+        return replace(placed, clearance=found)
 
-    def _laid_on(self, laid: SurfaceArrays, bound: SurfaceArrays, first: Ground) -> Ground:
+    def _built_on(
+        self, laid: SurfaceArrays, bound: SurfaceArrays, first: MaskedSurface
+    ) -> MaskedSurface:
         if laid is bound:
             return first
-        return ground_of(laid, self._settings, like=first, first=bound)
+        return masked_surface_of(laid, self._settings, like=first, first=bound)
 
 
 def may_move(settings: Settings) -> bool:
     """Whether a density takes anything that can be another on a later frame."""
     density = settings.density
-    beside = density.image or density.use_camera or density.avoid_collection
+    nearby = density.image or density.use_camera_view or density.avoid_collection
     values = names_of(settings) or materials_of(density)
-    return bool(values or beside or _masks(density))
+    return bool(values or nearby or _masks(density))
 
 
 def moved(before: SurfaceArrays, now: SurfaceArrays, settings: Settings) -> list[str]:
@@ -122,8 +124,8 @@ def _masks(density: DensitySettings) -> list[str]:
 
 def is_of_the_world(density: DensitySettings, around: Surroundings) -> bool:
     """Whether a density is another where its surface moves."""
-    beside = around.camera is not None or around.obstacles or len(around.points)
-    return bool(beside or _masks(density))
+    nearby = around.camera is not None or around.obstacles or len(around.points)
+    return bool(nearby or _masks(density))
 
 
 def _moved_around(before: Surroundings, now: Surroundings) -> list[str]:

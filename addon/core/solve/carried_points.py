@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.native import package
-from ..density.ground import Ground
+from ..density.masked_surface import MaskedSurface
 from ..settings.values import Settings
 from ..surface.arrays import Floats, Ints, SurfaceArrays
 from ..surface.binding import samples_of
@@ -19,13 +19,13 @@ SAME_PLACE = 1e-5  # of a surface's extent: vertices that are moved by less are 
 
 
 @dataclass(frozen=True)
-class Before:
+class PreviousResult:
     """The points as they are stored, and their solution where it is remembered."""
 
     binding: Binding
     columns: Columns
     solved: Solved | None = None
-    touched: Floats | None = None  # (k, 3) where points were placed, in the surface's own space
+    edited: Floats | None = None  # (k, 3) where points were placed, in the surface's own space
 
 
 def cut_alike(solved: Solved | None, arrays: SurfaceArrays) -> SurfaceArrays:
@@ -47,32 +47,32 @@ def _is_of_corners(values: Floats) -> bool:
 
 
 def carried_points(
-    before: Before, arrays: SurfaceArrays, ground: Ground, settings: Settings
+    before: PreviousResult, arrays: SurfaceArrays, masked: MaskedSurface, settings: Settings
 ) -> tuple[Any, Ints]:
     """dapple.Samples of the ground that are there, and the faces on which something changed."""
-    solved, everything = before.solved, np.arange(len(ground.surface.faces), dtype=np.int32)
+    solved, everything = before.solved, np.arange(len(masked.surface.faces), dtype=np.int32)
     ids, classes = before.columns["id"], before.columns["dapple_object_type"]
     if solved is None or not np.array_equal(solved.arrays.faces, arrays.faces):
-        samples = samples_of(before.binding, ground.original, ids, classes)
-        return ground.from_original(samples), everything
+        samples = samples_of(before.binding, masked.original, ids, classes)
+        return masked.from_original(samples), everything
     vertices = _in_pose(solved.arrays, arrays)
-    if not (ground.is_cut or solved.ground.is_cut):
-        surface = solved.ground.surface.deformed(vertices)
-        changed: Ints = package().changed_faces(surface, ground.surface)
+    if not (masked.is_cut or solved.masked.is_cut):
+        surface = solved.masked.surface.deformed(vertices)
+        changed: Ints = package().changed_faces(surface, masked.surface)
         for name in _densities(settings):
-            other = solved.ground.corner_density(name) != ground.corner_density(name)
+            other = solved.masked.corner_density(name) != masked.corner_density(name)
             changed = np.union1d(changed, np.flatnonzero(other.any(axis=1))).astype(np.int32)
         samples = solved.samples
         if vertices is not solved.arrays.vertices or not np.array_equal(samples.ids, ids):
             places = (samples.faces, samples.barycentric)
             samples = package().Samples(surface, *places, ids=ids, classes=classes)
         return samples, changed
-    coarse = solved.ground.to_original(solved.samples)
+    coarse = solved.masked.to_original(solved.samples)
     places = (coarse.faces, coarse.barycentric)
-    samples = package().Samples(ground.original, *places, ids=ids, classes=classes)
+    samples = package().Samples(masked.original, *places, ids=ids, classes=classes)
     old = replace(solved.arrays, vertices=vertices)
-    return ground.from_original(samples), _changed_pieces(
-        solved.ground, old, ground, arrays, settings
+    return masked.from_original(samples), _changed_pieces(
+        solved.masked, old, masked, arrays, settings
     )
 
 
@@ -97,19 +97,23 @@ def _densities(settings: Settings) -> list[str]:
 
 
 def _changed_pieces(
-    before: Ground, old: SurfaceArrays, ground: Ground, arrays: SurfaceArrays, settings: Settings
+    before: MaskedSurface,
+    old: SurfaceArrays,
+    masked: MaskedSurface,
+    arrays: SurfaceArrays,
+    settings: Settings,
 ) -> Ints:
     """Pieces of cut faces where there is another density or shape than before."""
     names = _densities(settings)
-    now = _pieces(ground, arrays, names)
+    now = _pieces(masked, arrays, names)
     same = np.isin(now, _pieces(before, old, names))
     alike = (old.vertices == arrays.vertices).all(axis=1)[arrays.faces].all(axis=1)
-    alike &= (before.own_density == ground.own_density).all(axis=1)
+    alike &= (before.own_density == masked.own_density).all(axis=1)
     for name in names:
         alike &= (_of_faces(old, name) == _of_faces(arrays, name)).all(axis=1)
     parents = before.pieces[0][~_is_plain(before)]
     alike[parents] = False
-    same |= _is_plain(ground) & alike[ground.pieces[0]]  # it is merely cut otherwise
+    same |= _is_plain(masked) & alike[masked.pieces[0]]  # it is merely cut otherwise
     return np.flatnonzero(~same).astype(np.int32)
 
 
@@ -120,22 +124,22 @@ def _of_faces(arrays: SurfaceArrays, name: str) -> Floats:
     return np.broadcast_to(found, arrays.faces.shape)
 
 
-def _is_plain(ground: Ground) -> NDArray[np.bool_]:
+def _is_plain(masked: MaskedSurface) -> NDArray[np.bool_]:
     """Which pieces (m,) have the density that the face had before it was cut."""
-    parents, corners = ground.pieces
-    values = np.einsum("mkc,mc->mk", corners, ground.own_density[parents])
-    found: NDArray[np.bool_] = np.isclose(ground.corner_density(), values, atol=0.0).all(axis=1)
+    parents, corners = masked.pieces
+    values = np.einsum("mkc,mc->mk", corners, masked.own_density[parents])
+    found: NDArray[np.bool_] = np.isclose(masked.corner_density(), values, atol=0.0).all(axis=1)
     return found
 
 
-def _pieces(ground: Ground, arrays: SurfaceArrays, names: list[str]) -> NDArray[np.uint64]:
+def _pieces(masked: MaskedSurface, arrays: SurfaceArrays, names: list[str]) -> NDArray[np.uint64]:
     """Numbers (m,) that are the same where a piece lies at the same place of the same face that was
     read, with the same density of all and of object types with values of these names.
     """
-    parents, corners = ground.pieces
+    parents, corners = masked.pieces
     count = len(parents)
     places = arrays.vertices[arrays.faces[parents]].reshape(count, 9)
-    densities = [ground.corner_density(name) for name in ("", *names)]
+    densities = [masked.corner_density(name) for name in ("", *names)]
     rows = np.concatenate([corners.reshape(count, 9), places, *densities], axis=1)
     bits = (rows + 0.0).view(np.uint64)  # there is a -0.0 too
     odd = 2 * np.random.default_rng(1).integers(2**62, size=1 + bits.shape[1], dtype=np.uint64) + 1
@@ -146,9 +150,9 @@ def _pieces(ground: Ground, arrays: SurfaceArrays, names: list[str]) -> NDArray[
     return mixed
 
 
-def touched_faces(before: Before, arrays: SurfaceArrays, ground: Ground) -> Ints:
+def edited_faces(before: PreviousResult, arrays: SurfaceArrays, masked: MaskedSurface) -> Ints:
     """Faces at which points were placed, moved or removed by hand."""
-    if before.touched is None or not len(before.touched):
+    if before.edited is None or not len(before.edited):
         return np.empty(0, dtype=np.int32)
-    places = before.touched @ arrays.matrix[:3, :3].T + arrays.matrix[:3, 3]
-    return np.unique(package().project(ground.surface, places).faces).astype(np.int32)
+    places = before.edited @ arrays.matrix[:3, :3].T + arrays.matrix[:3, 3]
+    return np.unique(package().project(masked.surface, places).faces).astype(np.int32)

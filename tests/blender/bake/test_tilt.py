@@ -36,7 +36,7 @@ def bound(faces, row, weights):
 
 
 def test_rotation_vectors_come_back():
-    lean = part("bake.lean")
+    lean = part("bake.tilt")
     vectors = np.random.default_rng(1).normal(size=(200, 3))
     vectors *= (np.linspace(0, 3.1, 200) / np.linalg.norm(vectors, axis=1))[:, None]
     matrices = lean.rotations(vectors)
@@ -45,7 +45,7 @@ def test_rotation_vectors_come_back():
 
 
 def test_half_a_turn_is_not_taken_for_none():
-    lean = part("bake.lean")
+    lean = part("bake.tilt")
     vectors = math.pi * np.array(
         [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.6, 0, 0.8], [0.36, 0.48, 0.8]]
     )
@@ -55,7 +55,7 @@ def test_half_a_turn_is_not_taken_for_none():
 
 
 def test_over_a_ridge_a_thing_turns_by_no_more_than_the_limit_and_rights_itself():
-    lean, frames, keys = part("bake.lean"), part("surface.frames"), part("bake.keys")
+    lean, frames, keys = part("bake.tilt"), part("surface.frames"), part("bake.keys")
     vertices, faces = roof()
     left, right = bound(faces, 0, [0.1, 0.2, 0.7]), bound(faces, 2, [0.3, 0.1, 0.6])
     normals = frames.smooth(vertices, faces)
@@ -63,22 +63,22 @@ def test_over_a_ridge_a_thing_turns_by_no_more_than_the_limit_and_rights_itself(
     leaned, last = None, left
     for _ in range(12):
         turned = frames.carried(last, right, vertices, normals)
-        leaned = lean.leaning(last, leaned, turned, vertices, normals)
-        placed.append(keys.Placed(np.zeros(1, np.int32), turned, lean=leaned))
+        leaned = lean.new_tilts(last, leaned, turned, vertices, normals)
+        placed.append(keys.Placed(np.zeros(1, np.int32), turned, tilt=leaned))
         last = turned
     shown = []
     for one in placed:
-        own = frames.frames(one.binding, vertices, normals).axes(one.binding.carry)
-        shown.append(own if one.lean is None else own @ lean.rotations(one.lean))
+        own = frames.frames(one.binding, vertices, normals).axes(one.binding.angle)
+        shown.append(own if one.tilt is None else own @ lean.rotations(one.tilt))
     steps = np.degrees([turn_between(a, b)[0] for a, b in itertools.pairwise(shown)])
     assert steps.max() == pytest.approx(9.5, abs=1e-6)
     assert steps.sum() == pytest.approx(90, abs=1e-6)
     assert steps[-1] == pytest.approx(0, abs=1e-6)
-    assert placed[-1].lean is None
+    assert placed[-1].tilt is None
 
 
 def test_where_a_fold_flips_the_normal_an_instance_turns_little_more_than_its_neighbors():
-    lean = part("bake.lean")
+    lean = part("bake.tilt")
     random = np.random.default_rng(3)
     places, then = random.uniform(0.0, 10.0, (400, 3)) * [1, 1, 0], np.tile(np.eye(3), (400, 1, 1))
     turned = lean.rotations(np.tile(np.radians([0.0, 7.0, 0.0]), (400, 1)))
@@ -100,7 +100,7 @@ def test_where_nothing_flips_nothing_leans():
     scenes.scattered(surface, count=100)
     bpy.ops.dapple.bake()
     keys = bpy.data.objects["Sphere Scatter Keys"].data
-    assert "dapple_lean" not in keys.attributes
+    assert "dapple_tilt" not in keys.attributes
 
 
 @pytest.mark.parametrize("randomness", [0.0, 1.0])
@@ -122,15 +122,15 @@ def test_a_baked_lean_is_played(randomness):
     vectors = np.random.default_rng(2).uniform(-0.6, 0.6, (40, 3))
     keyframes = part("bake.keys").Keyframes(2)
     for lean in (None, vectors):
-        placed = part("surface.records").Placed(faces, binding, lean=lean)
+        placed = part("surface.records").Placed(faces, binding, tilt=lean)
         keyframes.add(placed, arrays, arrays, 0.1)
     writing.write_baked(obj, keyframes.packed(), 1, part("solve.solve").Report(count=40))
     normals = part("surface.frames").shading(arrays)
-    own = part("surface.frames").frames(binding, arrays.vertices, normals).axes(binding.carry)
+    own = part("surface.frames").frames(binding, arrays.vertices, normals).axes(binding.angle)
     turn = np.empty(40, np.float32)
     obj.data.attributes["dapple_turn"].data.foreach_get("value", turn)
-    about = part("bake.lean").rotations(np.outer(randomness * turn, [0, 0, 1]))
-    for frame, expected in ((1, own), (2, own @ part("bake.lean").rotations(vectors))):
+    about = part("bake.tilt").rotations(np.outer(randomness * turn, [0, 0, 1]))
+    for frame, expected in ((1, own), (2, own @ part("bake.tilt").rotations(vectors))):
         bpy.context.scene.frame_set(frame)
         found = scenes.instance_matrices(obj)[:, :3, :3]
         found = found / np.linalg.norm(found, axis=1, keepdims=True)
@@ -138,7 +138,7 @@ def test_a_baked_lean_is_played(randomness):
     bpy.context.scene.frame_set(1, subframe=0.5)
     half = scenes.instance_matrices(obj)[:, :3, :3]
     half = half / np.linalg.norm(half, axis=1, keepdims=True)
-    between = own @ part("bake.lean").rotations(0.5 * vectors) @ about
+    between = own @ part("bake.tilt").rotations(0.5 * vectors) @ about
     assert np.degrees(turn_between(half, between)).max() < 1.5
 
 
@@ -147,12 +147,12 @@ def test_a_frame_with_leans_comes_back_from_its_file(tmp_path):
     faces = np.array([[0, 1, 2]], np.int32)
     binding = records.Binding(faces[[0, 0]], np.full((2, 3), 1 / 3), np.zeros(2))
     lean = np.array([[0.1, -0.2, 0.0], [0.0, 0.0, math.pi / 7]])
-    placed = keys.Placed(np.zeros(2, np.int32), binding, lean=lean)
+    placed = keys.Placed(np.zeros(2, np.int32), binding, tilt=lean)
     files = sidecar.Sidecar(tmp_path / "work")
     files.store(4, "mark", sidecar.Solved(placed, part("solve.solve").Report()))
     surface = part("surface.arrays").SurfaceArrays("Triangle", np.eye(3), faces, "same")
     found = files.load(4, "mark", 2, surface)
-    np.testing.assert_array_equal(found.placed.lean, lean)
+    np.testing.assert_array_equal(found.placed.tilt, lean)
     assert files.load(4, "mark", 3, surface) is None
 
 
@@ -164,12 +164,12 @@ def test_leans_are_packed_with_rows_that_appear_later():
 
 def test_a_bake_with_births_bounds_its_turns_too(monkeypatch):
     """With a limit that every slide exceeds, all rows of all keys have a lean."""
-    monkeypatch.setattr(part("bake.lean"), "LIMIT", 1e-9)
+    monkeypatch.setattr(part("bake.tilt"), "LIMIT", 1e-9)
     obj = scenes.scattered(scenes.tail(), count=60)
     obj.dapple.population = "KEEP_DENSITY"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     keys = addon_host.part("blender.scatter.key_stores").stored_object(obj, "Keys").data
-    assert len(keys.attributes["dapple_lean"].data) == len(keys.vertices)
+    assert len(keys.attributes["dapple_tilt"].data) == len(keys.vertices)
     assert len(keys.vertices) == obj.dapple.baked_keys * len(obj.data.vertices)
     bpy.context.scene.frame_set(4)
     assert len(scenes.instance_matrices(obj)) >= 60

@@ -14,7 +14,7 @@ from ...core.surface.sources import (
     value_roles,
 )
 from ...nodes import get_input, has_input
-from ..base.translation import told
+from ..base.translation import translated
 from ..scatter.modifier import scatter_modifier
 from ..scatter.object import settings_changed, settings_of
 
@@ -58,19 +58,19 @@ def _compared(obj: bpy.types.Object, before: Sources, now: Sources) -> tuple[lis
     roles = [role for role in roles if not (role == "scale" if same else is_of_faces(role))]
     roles.sort(key=lambda role: role != "shape")  # where all else is depends on it
     if before.frame == now.frame:
-        return [_said(obj, role) for role in roles], _unknown(before)
+        return [_change_note(obj, role) for role in roles], _unknown(before)
     if obj.dapple.baked_keys:  # it is known what moves; shapes have sketches in every frame
         moving = {*before.moving, "shape"}
-        return [_said(obj, role) for role in roles if role not in moving], ""
+        return [_change_note(obj, role) for role in roles if role not in moving], ""
     places = [role for role in roles if role in PLACES]
-    still = [_said(obj, role) for role in roles if role not in PLACES]
+    still = [_change_note(obj, role) for role in roles if role not in PLACES]
     return still, _note(before.frame, places) if places else _unknown(before)
 
 
 def _unknown(before: Sources) -> str:
     if UNKNOWN not in before.exact.values():
         return ""
-    return told("Attached to other faces since then: values of the surface are not compared")
+    return translated("Attached to other faces since then: values of the surface are not compared")
 
 
 def frozen_note(obj: bpy.types.Object) -> str:
@@ -78,7 +78,7 @@ def frozen_note(obj: bpy.types.Object) -> str:
     roles = obj.dapple.baked_frozen.split()
     if not roles:
         return ""
-    return told(
+    return translated(
         "The density is that of frame {frame}, although these move: {what}",
         frame=obj.dapple.baked_start,
         what=_listed(roles),
@@ -86,7 +86,7 @@ def frozen_note(obj: bpy.types.Object) -> str:
 
 
 def _note(frame: float, roles: list[str]) -> str:
-    return told(
+    return translated(
         "Differs from frame {frame:g}, where the points were optimized: {what}",
         frame=frame,
         what=_listed(roles),
@@ -95,50 +95,50 @@ def _note(frame: float, roles: list[str]) -> str:
 
 def _listed(roles: list[str]) -> str:
     labels = {
-        "shape": told("shape of the surface"),
-        "scale": told("shape of the surface"),
-        "up": told("direction and height of the surface"),
-        "north": told("direction and height of the surface"),
-        "noise": told("origin of the surface"),
-        "camera": told("camera"),
-        "obstacles": told("avoided objects"),
-        "others": told("avoided objects"),
-        "targets": told("objects that a distance is measured to"),
-        "image": told("image"),
-        "uv": told("texture coordinates"),
+        "shape": translated("shape of the surface"),
+        "scale": translated("shape of the surface"),
+        "up": translated("direction and height of the surface"),
+        "north": translated("direction and height of the surface"),
+        "noise": translated("origin of the surface"),
+        "camera": translated("camera"),
+        "obstacles": translated("avoided objects"),
+        "others": translated("avoided objects"),
+        "targets": translated("objects that a distance is measured to"),
+        "image": translated("image"),
+        "uv": translated("texture coordinates"),
     }
-    others = told("values of the surface")
+    others = translated("values of the surface")
     return ", ".join(dict.fromkeys(labels.get(role, others) for role in roles))
 
 
-def _said(obj: bpy.types.Object, role: str) -> str:
+def _change_note(obj: bpy.types.Object, role: str) -> str:
     """That a role has other contents."""
     settings, surface = settings_of(obj), obj.dapple.surface.name
     named = value_roles(settings)
     if role == "material":
-        return told("Materials of '{surface}' were assigned to other faces", surface=surface)
+        return translated("Materials of '{surface}' were assigned to other faces", surface=surface)
     if role in named:
-        return told("Values of '{name}' were changed", name=named[role])
+        return translated("Values of '{name}' were changed", name=named[role])
     if role == "image":
-        return told("Image '{name}' was changed", name=settings.density.image)
+        return translated("Image '{name}' was changed", name=settings.density.image)
     if role == "uv":
-        return told("UV map of '{surface}' was changed", surface=surface)
+        return translated("UV map of '{surface}' was changed", surface=surface)
     if role == "camera":
-        return told("The camera was moved or changed")
+        return translated("The camera was moved or changed")
     if role in ("obstacles", "others"):
-        return told("Avoided objects were moved or changed")
+        return translated("Avoided objects were moved or changed")
     if role == "targets":
-        return told("Objects that a distance is measured to were moved or changed")
+        return translated("Objects that a distance is measured to were moved or changed")
     if role == "noise":
-        return told(
+        return translated(
             "Surface '{surface}' has another origin, and the noise depends on it", surface=surface
         )
     if role in ("up", "north"):
-        return told(
+        return translated(
             "Surface '{surface}' was rotated or moved, and the density depends on it",
             surface=surface,
         )
-    return told("Surface '{surface}' has another shape or scale than before", surface=surface)
+    return translated("Surface '{surface}' has another shape or scale than before", surface=surface)
 
 
 def other_surface(obj: bpy.types.Object) -> str:
@@ -149,7 +149,7 @@ def other_surface(obj: bpy.types.Object) -> str:
     played = get_input(modifier, "Surface")
     if played is None or played == obj.dapple.surface:
         return ""
-    return told(
+    return translated(
         "The points are on '{played}', not on '{chosen}'",
         played=played.name,
         chosen=obj.dapple.surface.name,

@@ -346,7 +346,7 @@ def test_an_overlap_of_points_that_were_deleted_is_said_or_found_by_their_ids():
 
 
 def test_counts_of_classes_are_told_for_points_per_area():
-    labels = addon_host.part("blender.object_types.classes").count_labels
+    labels = addon_host.part("blender.object_types.operators").count_labels
     obj = with_classes(scenes.sphere(), {"weight": 2.0}, {"weight": 1.0}, count=60)
     obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", 20.0
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
@@ -363,7 +363,7 @@ def test_counts_of_classes_are_told_for_points_per_area():
 
 
 def test_counts_of_classes_are_those_of_the_points_that_are_there():
-    labels = addon_host.part("blender.object_types.classes").count_labels
+    labels = addon_host.part("blender.object_types.operators").count_labels
     obj = with_classes(scenes.sphere(), {"weight": 2.0}, {"weight": 1.0}, count=60)
     assert labels(obj) == ["40", "20"]
     edited = bmesh.new()

@@ -39,7 +39,7 @@ def _tree(side):
     tree = builder.new_group("Chain", geometry, geometry)
     b = builder.Builder(tree)
     feeds = [b.attribute(name, "FLOAT_VECTOR") for name in ("normal", "ahead")]
-    standing = addon_host.part("nodes.standing").STANDING
+    standing = addon_host.part("nodes.orientation").ORIENTATION
     node = groups.inner(b, standing, *feeds, b.attribute("turn", "FLOAT"), side)
     b.output("Geometry", b.store(b.input("Geometry"), "rotation", node.outputs[0], "QUATERNION"))
     return tree
