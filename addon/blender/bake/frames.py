@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of a bake: those without faces, faces that change, masks of each frame."""
+"""Frames of a bake: frames without faces, changing faces, masks of each frame."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -20,15 +20,15 @@ from ..surface.surroundings import Known
 
 _SEAM_STEPS = 6
 _TRIES = 8
-Read = Callable[[], SurfaceArrays]  # evaluates and reads a frame once more
+Read = Callable[[], SurfaceArrays]  # evaluates and reads a frame again
 
 
 @dataclass
 class Masks:
-    """Reads frames of a surface with all that these settings take."""
+    """Reads the frames of a surface with everything that the settings need."""
 
     settings: Settings
-    last: SurfaceArrays  # with which it was read
+    last: SurfaceArrays  # the frame that was read last
     known: Known = field(init=False)
 
     def __post_init__(self) -> None:
@@ -37,7 +37,9 @@ class Masks:
     def at_frame(
         self, surface: ObjectHandle, handle: ObjectHandle, frame: int, kind: str, may_be_empty: bool
     ) -> SurfaceArrays:
-        """The surface on a frame; where something is not there, all is as on the frame before."""
+        """The surface at a frame. Where an input is missing, the inputs of the previous frame are
+        used.
+        """
         try:
             arrays = at_frame(
                 surface,
@@ -61,7 +63,7 @@ class Masks:
 
 
 def may_be_empty(obj: bpy.types.Object, kind: str) -> bool:
-    """Whether a bake of a scatter that is bound so goes on over frames without faces."""
+    """Whether a bake continues over frames without faces, for this kind of binding."""
     follows = obj.dapple.new_topology == "REATTACH" or kind == "REST"
     return _keeps_density(obj) and follows and not len(obj.dapple.object_types)
 
@@ -69,8 +71,9 @@ def may_be_empty(obj: bpy.types.Object, kind: str) -> bool:
 def first_frame_with_faces(
     handle: ObjectHandle, surface: ObjectHandle, first: int, last: int
 ) -> Any:
-    """The first frame of a bake on which there can be points, and what they are bound to there;
-    in steps. That frame is shown then.
+    """Find the first frame of a bake that can have points, in steps.
+
+    Shows that frame. Returns it with the points' binding there.
     """
     begin = first
     if _keeps_density(handle.get()):
@@ -93,8 +96,9 @@ def _first_with_faces(surface: ObjectHandle, first: int, last: int) -> Any:
 def read_frame(
     handle: ObjectHandle, surface: ObjectHandle, frame: int, kind: str, masks: Masks | None = None
 ) -> SurfaceArrays:
-    """The surface on a frame of a bake, without faces only where that may be; with what its density
-    takes there, if masks are given.
+    """The surface at a frame of a bake, with the inputs of its density if masks are given.
+
+    A surface without faces is an error unless the bake may continue over it.
     """
     empty = _keeps_density(handle.get())
     if masks is None:
@@ -113,7 +117,7 @@ def appeared(
     arrays: SurfaceArrays,
     known: Known | None,
 ) -> SurfaceArrays:
-    """Have points appear on faces that have come back; the frame."""
+    """Make points appear on faces that have come back; returns the frame."""
     number = baker.first + baker.done
     then = at_frame(surface, number, settings=baker.start.settings, own=handle, known=known)
     baker.appear(replace(then, rest=arrays.rest))
@@ -138,7 +142,7 @@ def crossed(
     arrays: SurfaceArrays,
     known: Known | None = None,
 ) -> SurfaceArrays:
-    """Have a baker cross to the faces of its next frame, which is returned as read again."""
+    """Change the baker's topology to that of its next frame; returns that frame, read again."""
     if baker.is_empty:
         return appeared(baker, handle, surface, arrays, known)
     number = baker.first + baker.done
@@ -146,7 +150,7 @@ def crossed(
     if arrays.rest is None and baker.at_seam:
         before, after = _seam(surface, number, baker.bound.topology)
     then = at_frame(surface, number, settings=baker.start.settings, own=handle, known=known)
-    # Quads are cut as where values were read: these are of the corners of triangles, too.
+    # Values at corners belong to triangles, so quads are cut as when the values were read.
     there = replace(after, faces=then.faces, loops=then.loops, around=then.around)
     baker.cross(before, replace(there, weights=then.weights, digests=then.digests))
     again = then if baker.follows else at_frame(surface, number)
@@ -154,9 +158,9 @@ def crossed(
 
 
 def _seam(surface: ObjectHandle, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:
-    """The surface just before and just after it loses its topology, between two frames.
+    """The surface just before and just after its topology changes between two frames.
 
-    Bisected, so that it hardly moves between both, however far it moves in a frame.
+    The time is bisected, so that the surface hardly moves between both.
     """
     begin, end = 0.0, 1.0
     before, after = at_frame(surface, frame - 1), at_frame(surface, frame)
@@ -167,30 +171,30 @@ def _seam(surface: ObjectHandle, frame: int, topology: str) -> tuple[SurfaceArra
             begin, before = middle, arrays
         elif arrays.topology == after.topology:
             end, after = middle, arrays
-        else:  # yet another topology between both
+        else:  # a third topology between both
             break
     return before, after
 
 
 @dataclass
 class StableOrder:
-    """Reads the frames of a bake in one order of faces, wherever they come in that too."""
+    """Reads frames of a bake in one order of faces, even if the surface's own order changes."""
 
     surface: ObjectHandle
 
     def first(self, obj: bpy.types.Object, read: Read) -> SurfaceArrays:
-        """The first frame, in the order to which the points of a scatter are attached."""
+        """The first frame, in the order to which the scatter's points are attached."""
         arrays, known = read(), obj.dapple.surface_topology.split()
         if not known or obj.dapple.attached_to != "FACES":
             return arrays
         return self._in_order(arrays, known[0], obj.dapple.surface_vertices, read)
 
     def next(self, bound: SurfaceArrays, read: Read) -> SurfaceArrays:
-        """A frame, in the order of one before."""
+        """A frame in the order of a previous one."""
         return self._in_order(read(), bound.topology, len(bound.vertices), read)
 
     def check(self, before: SurfaceArrays, read: Read) -> None:
-        """ChangedError unless a surface is still the one that was read, in whatever order."""
+        """ChangedError unless a surface, in any order, is still the one that was read."""
         now = self.next(before, read)
         if now.topology == before.topology or not is_reordered(before, now):
             check_unchanged(before, now)

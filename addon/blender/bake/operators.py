@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators of a bake: it is made, taken out, and the frames of a stopped one are deleted."""
+"""Operators that bake, delete a bake, and delete the frames of a stopped bake."""
 
 from typing import Any
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sub-panel for moving surfaces: the bake, the frames that it has left, and the preview."""
+"""The sub-panel Animation: the bake, frames left by a stopped bake, the live preview."""
 
 from typing import ClassVar
 
@@ -84,7 +84,7 @@ def _draw_work_files(layout: bpy.types.UILayout, known: findings.Findings | None
 
 
 def baked_line(obj: bpy.types.Object) -> str:
-    """Which frames are baked, and what the frames without a key lose."""
+    """The baked frames, and the deviation on frames between keyframes."""
     settings, report = obj.dapple, obj.dapple.report
     last = settings.baked_start + settings.baked_frames - 1
     line = translated("Baked: frames {first} to {last}", first=settings.baked_start, last=last)

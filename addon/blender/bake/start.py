@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake starts with: points of the first frame, the baker of the settings."""
+"""The start of a bake: the points of the first frame and a baker for the settings."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -28,38 +28,43 @@ from ..scatter.points import locked_points, places_of, point_columns_of
 from ..surface.current_binding import current_binding, other_faces
 from ..surface.reading import at_frame
 
-_SOLVING = 0.1  # of the progress of a bake whose points are optimized anew first
+_SOLVING = 0.1  # share of the progress for optimizing the points first, if needed
 
 
 @dataclass
 class BakeStart:
-    """What a bake begins with, in its first frame."""
+    """The first frame of a bake."""
 
     arrays: SurfaceArrays
     sources: Sources
-    solved: Scattered | None = None  # the points anew; None: those that are stored
-    reoptimized_reason: str = ""  # why
-    progress: float = 0.0  # of the bake, so far
+    solved: Scattered | None = None  # newly optimized points; None: the stored ones are used
+    reoptimized_reason: str = ""  # reason for optimizing again
+    progress: float = 0.0  # share of the bake that is done
 
     def note_moving(
         self, handle: ObjectHandle, surface: ObjectHandle, settings: Settings, frame: int
     ) -> None:
-        """Note what is on a frame not as in the first one: later that is no sign of a change."""
+        """Record which inputs at a frame differ from the first frame, as they are animated.
+
+        They are not reported as changes later.
+        """
         try:
             now = sources_of(at_frame(surface, frame, settings=settings, own=handle), settings)
-        except ScatterError:  # a density of the first frame only
+        except ScatterError:  # this frame's inputs do not affect the density
             now = replace(self.sources, exact={}, near={})
         self.note(differing(self.sources, now))
 
     def note(self, roles: Iterable[str]) -> None:
-        """Note that these move."""
+        """Record these roles as animated."""
         moving = {*self.sources.moving, *roles}
         self.sources = replace(self.sources, moving=tuple(sorted(moving)))
 
 
 def begin_bake(handle: ObjectHandle, arrays: SurfaceArrays, settings: Settings) -> Any:
-    """The points of the first frame: those that are stored, where they are of these settings and
-    of what is there; else they are optimized anew.
+    """The points of the first frame, in steps.
+
+    The stored points are used if they fit the settings and the scene; otherwise they are optimized
+    again.
     """
     obj, sources = handle.get(), sources_of(arrays, settings)
     _check_faces(obj, arrays)
@@ -72,7 +77,7 @@ def begin_bake(handle: ObjectHandle, arrays: SurfaceArrays, settings: Settings) 
 
 
 def frozen_in(bake_start: BakeStart, baker: Baker) -> list[str]:
-    """Roles of what moves and was not followed, though the density reads it."""
+    """Roles of animated inputs that the density reads, but that this bake does not follow."""
     settings = baker.start.settings
     if baker.follows or not may_move(settings):
         return []
@@ -89,7 +94,7 @@ def new_baker(
     count: int,
     solved: Scattered | None,
 ) -> Baker:
-    """A baker of so many frames; solved are the points if they were optimized anew."""
+    """A baker for a number of frames, starting with newly optimized points if there are any."""
     reattach = obj.dapple.new_topology == "REATTACH" or arrays.rest is not None
     if solved is not None:
         binding, columns = as_stored(solved.binding), solved.columns
@@ -114,7 +119,7 @@ def new_baker(
 def _binding(
     obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays
 ) -> tuple[Binding, Columns]:
-    """The stored binding, or one to the places nearest to the points as they were optimized."""
+    """The stored binding; for newly optimized points, their nearest places."""
     if obj.dapple.attached_to == "REST" or not other_faces(obj, arrays):
         return current_binding(obj, surface, arrays)
     columns = point_columns_of(obj)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake, as steps: read a frame, let the worker solve it, go on; write all when all are done."""
+"""Bake as steps: read a frame, solve it in the worker, repeat; write all frames at the end."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -30,7 +30,7 @@ from .start import BakeStart, begin_bake, frozen_in, new_baker
 
 
 def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
-    """Keys of the frames from first to last, each re-optimized; returns the Baker."""
+    """Optimize each frame from first to last and store keyframes; returns the Baker."""
     handle, surface = ObjectHandle(context.object), ObjectHandle(surface_of(context.object))
     first, last = times_of(context.scene, first, last)
     if last < first:
@@ -49,15 +49,15 @@ def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
 
 @dataclass(frozen=True)
 class _Frames:
-    """The frames of a bake."""
+    """The range of frames of a bake."""
 
     first: int
-    begin: int  # the first one with faces
+    begin: int  # the first frame with faces
     last: int
 
     @property
     def noted(self) -> tuple[int, int]:
-        """Where it is looked what is not as on the first frame."""
+        """Frames at which the inputs are compared with those of the first frame."""
         return self.first + (self.last - self.first + 1) // 2, self.last
 
 
@@ -99,7 +99,7 @@ def _solve(
     begin: float,
     masks: Masks | None,
 ) -> Any:
-    """The next frame: what a stopped bake left, or solved now."""
+    """Load the next frame from a stopped bake, or solve it."""
     if not len(arrays.faces):
         baker.vanish(arrays)
         return
@@ -117,7 +117,7 @@ def _solve(
 
 
 def _finish(baker: Baker, begin: float) -> Any:
-    """What is held back of the frames so far."""
+    """Solve the frames that the baker still holds back."""
     shares = (baker.share[0], baker.done / baker.keyframes.count)
     try:
         yield Task(baker.finish, *(begin + (1.0 - begin) * share for share in shares))
@@ -137,12 +137,12 @@ def _stopped(baker: Baker) -> str:
 
 
 def write_bake(obj: bpy.types.Object, bake_start: BakeStart, baker: Baker, kind: str) -> None:
-    """Store what a baker has solved; what cannot be stored is found before anything is lost."""
+    """Store the result of a baker. Errors are found before anything is overwritten."""
     bake_start.note(baker.masked_surfaces.moving)
     rest = at_rest(baker.begin, baker.first_surface) if kind == "REST" else None
     born = baker.born() if isinstance(baker, PopulationBaker) else None
     if born is not None:
-        to_local(obj, born.positions)  # where that cannot be, nothing is lost yet
+        to_local(obj, born.positions)  # raises an error before anything is overwritten
     with all_or_nothing(bpy.context, [obj]):
         if bake_start.solved is not None:
             write_scattered(obj, baker.first_surface, bake_start.solved, rest)
@@ -153,7 +153,7 @@ def write_bake(obj: bpy.types.Object, bake_start: BakeStart, baker: Baker, kind:
 
 
 def write_known(obj: bpy.types.Object, bake_start: BakeStart, baker: Baker) -> None:
-    """What a bake was solved from, and all faces that it has seen."""
+    """Store the inputs of a bake, and all topologies that occurred."""
     obj.dapple.bake_fingerprint = baker.fingerprint
     obj.dapple.baked_frozen = " ".join(frozen_in(bake_start, baker))
     known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])

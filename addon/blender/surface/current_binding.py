@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the points are on the surface as it is now: by its faces, or by its rest shape."""
+"""The points' binding to the current surface, by its faces or by its rest shape."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ from .mesh import read_rest
 
 
 def other_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> str:
-    """How the faces are not those the points are bound to; empty when they are."""
+    """How the faces differ from those that the points are bound to; empty if they do not."""
     bound, now = obj.dapple.surface_vertices, len(arrays.vertices)
     if bound != now:
         return f"attached to {bound} vertices, surface '{arrays.name}' has {now}"
@@ -36,7 +36,7 @@ def other_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> str:
 
 
 def with_rest(arrays: SurfaceArrays, obj: bpy.types.Object) -> SurfaceArrays:
-    """A surface that was just read, with its rest shape."""
+    """A surface that was just read, together with its rest shape."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     if not is_fluid(obj):
         return replace(arrays, rest=read_rest(obj, depsgraph))
@@ -46,13 +46,14 @@ def with_rest(arrays: SurfaceArrays, obj: bpy.types.Object) -> SurfaceArrays:
 def rest_of(
     surface: bpy.types.Object, arrays: SurfaceArrays, binding: Binding, kind: str
 ) -> AtRest | None:
-    """Places on the rest shape, if the points are to be bound to it."""
+    """The points' places on the rest shape, if they are to be bound to it."""
     return at_rest(binding, with_rest(arrays, surface)) if kind == "REST" else None
 
 
 def binding_now(obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays) -> Binding:
-    """Where all stored points are on the surface as it is now, among them some that were added by
-    hand, which are nowhere yet.
+    """The binding of all stored points to the current surface.
+
+    Points that were added by hand are included; they have no binding yet.
     """
     reason = other_faces(obj, arrays)
     if reason and obj.dapple.attached_to != "REST":
@@ -70,9 +71,9 @@ def binding_now(obj: bpy.types.Object, surface: bpy.types.Object, arrays: Surfac
 def current_binding(
     obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays
 ) -> tuple[Binding, Columns]:
-    """Where a scatter's points are on its surface as it is now, and their columns.
+    """The binding of a scatter's points to its current surface, and their columns.
 
-    Those bound to the rest position are found again on other faces.
+    Points bound to the rest position are located again if the faces have changed.
     """
     found: tuple[Binding, Columns] = run_now(current_steps(obj, surface, arrays))
     return found

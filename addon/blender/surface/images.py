@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pixels of images. Blender hands out those of the first UDIM tile only; the others are read from
-their files, from what is packed, or, where they were painted, from a copy that it saves."""
+"""Pixels of images.
+
+Blender only provides the pixels of the first UDIM tile. Other tiles are read from their files, from
+packed data or, if they were painted, from a copy that Blender saves.
+"""
 
 import ctypes
 import tempfile
@@ -19,13 +22,13 @@ from .scene_objects import by_full_name
 
 FIRST, ACROSS = 1001, 10  # of UDIM tiles: number 1001 + u + 10 v
 Pixels = NDArray[np.float32]  # (rows, columns, channels), row 0 at the bottom
-_SAVES_COPIES = (4, 4, 0)  # the first Blender that saves an image elsewhere and leaves it as it is
+_SAVES_COPIES = (4, 4, 0)  # Blender can save a copy of an image since then
 
 
 def read_images(name: str) -> Iterator[RawImage]:
-    """The pixels of an image, or of one UDIM tile after the other; ScatterError if there are none.
+    """The pixels of an image, or of each UDIM tile in turn; ScatterError if there are none.
 
-    They are as Blender shows them on the surface: it does not turn photos by their orientation.
+    They are oriented as Blender shows them: it ignores the orientation stored in photos.
     """
     image = by_full_name(bpy.data.images, name)
     if image is None:
@@ -41,13 +44,13 @@ def read_images(name: str) -> Iterator[RawImage]:
 
 
 def is_film(name: str) -> bool:
-    """Whether an image has other pixels on other frames."""
+    """Whether the pixels of an image depend on the frame."""
     image = by_full_name(bpy.data.images, name)
     return image is not None and image.source in ("SEQUENCE", "MOVIE")
 
 
 def picture_digest(image: bpy.types.Image) -> str:
-    """Digest of all that an image holds; nothing if a tile of it cannot be read."""
+    """Digest of all pixels of an image; empty if one of its tiles cannot be read."""
     if image.source != "TILED":
         return digest_of([pixels_of(image)])
     try:
@@ -67,10 +70,10 @@ def pixels_of(image: bpy.types.Image) -> Pixels:
 
 
 def tile_pixels(image: bpy.types.Image, name: str) -> Iterator[tuple[int, Pixels]]:
-    """Number and pixels of one UDIM tile after the other.
+    """Number and pixels of each UDIM tile in turn.
 
     Raises:
-        ScatterError: a tile has none.
+        ScatterError: a tile has no pixels.
     """
     numbers = [tile.number for tile in image.tiles]
     with tempfile.TemporaryDirectory(prefix="dapple-") as folder:
@@ -86,13 +89,13 @@ def tile_pixels(image: bpy.types.Image, name: str) -> Iterator[tuple[int, Pixels
 
 
 def _files(image: bpy.types.Image, numbers: list[int], folder: Path) -> dict[int, Path]:
-    """Where the tiles can be read, by their numbers."""
+    """Paths from which the tiles can be read, by their numbers."""
     files = {number: _named(image, number) for number in numbers}
     for packed in image.packed_files:
         files[packed.tile_number] = folder / f"packed.{packed.tile_number}"
         files[packed.tile_number].write_bytes(packed.packed_file.data)
     if image.is_dirty and bpy.app.version >= _SAVES_COPIES:
-        with suppress(RuntimeError):  # of a tile without pixels: the others are there
+        with suppress(RuntimeError):  # a tile without pixels; the others can be read
             image.save(filepath=str(folder / "painted.<UDIM>"), save_copy=True)
         painted = {number: folder / f"painted.{number}" for number in numbers}
         files |= {number: path for number, path in painted.items() if path.exists()}
@@ -100,7 +103,7 @@ def _files(image: bpy.types.Image, numbers: list[int], folder: Path) -> dict[int
 
 
 def _named(image: bpy.types.Image, number: int) -> Path:
-    """The file of a tile, as its image names them all."""
+    """The file of a tile, according to the file name pattern of its image."""
     down, across = divmod(number - FIRST, ACROSS)
     named = image.filepath.replace("<UDIM>", str(number))
     named = named.replace("<UVTILE>", f"u{across + 1}_v{down + 1}")
@@ -108,10 +111,9 @@ def _named(image: bpy.types.Image, number: int) -> Path:
 
 
 def _read(path: Path, like: bpy.types.Image) -> Pixels:
-    """The pixels of a file, read as an image reads its own; none if that is not possible.
+    """The pixels of a file, read with the settings of an image; empty if that is impossible.
 
-    It is loaded beside the scene's data: an image more or less there would be a change of the scene
-    to all who wait for one.
+    The image is loaded outside the scene's data, so that no one is notified of a change.
     """
     none = np.empty((0, 0, 4), dtype=np.float32)
     if not path.is_file():

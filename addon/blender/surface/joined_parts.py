@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts of a joined surface: an object that has the meshes of several others, by a node group.
+"""Parts of a joined surface: an object whose node group joins the meshes of other objects.
 
-A scatter on several objects has such a surface, so that all else goes on knowing one object. It is
-in no collection: its parts are seen. Its list of parts is what the node group is built from.
+A scatter on several objects has such a surface, so all other code handles a single object. It is
+not in any collection, since its parts are visible. The node group is built from its list of parts.
 """
 
 from collections.abc import Iterable, Iterator
@@ -19,15 +19,15 @@ from ..base.object_handles import ObjectHandle
 from ..base.quiet import quiet
 from ..scatter.object import is_scatter
 
-_CELLS = 8  # of rest positions in a row
-SUFFIX = " Surface"  # of the names of joined surfaces
-_GAP = 2.0  # sides of a part between two of them
+_CELLS = 8  # cells of rest positions in a row
+SUFFIX = " Surface"  # suffix of the names of joined surfaces
+_GAP = 2.0  # gap between two parts, relative to their size
 _TYPES = {"MESH", "CURVE", "SURFACE", "FONT"}
 Rest = tuple[float, Offset]  # scale and shift of rest positions
 
 
 class Piece(NamedTuple):
-    """A part, and what instances its collection, from the outermost on."""
+    """A part, and the chain of objects that instance its collection, outermost first."""
 
     object: bpy.types.Object
     path: tuple[bpy.types.Object, ...] = ()
@@ -39,12 +39,12 @@ def is_joined(obj: bpy.types.Object | None) -> bool:
 
 
 def can_be_joined(obj: bpy.types.Object) -> bool:
-    """Whether an object is of a type whose mesh nodes get; metaballs are not."""
+    """Whether nodes can read the mesh of an object of this type; not possible for metaballs."""
     return obj.type in _TYPES and not is_joined(obj)
 
 
 def pieces_of(surface: bpy.types.Object) -> list[Piece]:
-    """The parts of a joined surface in their order, without those that are gone."""
+    """The existing parts of a joined surface in their order."""
     return [piece for piece in _listed(surface.dapple.joined) if piece is not None]
 
 
@@ -54,7 +54,7 @@ def has_lost_some(surface: bpy.types.Object) -> bool:
 
 
 def _listed(joined: bpy.types.PropertyGroup) -> list[Piece | None]:
-    """The parts in their order; None: it, or what instances it, is gone."""
+    """The parts in their order; None for a part that was deleted or whose instance was."""
     paths: list[tuple[bpy.types.Object | None, ...]] = []
     found: list[Piece | None] = []
     for entry in joined.entries:
@@ -66,20 +66,20 @@ def _listed(joined: bpy.types.PropertyGroup) -> list[Piece | None]:
 
 
 def parts_of(surface: bpy.types.Object) -> list[bpy.types.Object]:
-    """The objects whose meshes are a surface: those that it joins, or itself."""
+    """The objects whose meshes form a surface: the parts of a joined one, or the object itself."""
     if not is_joined(surface):
         return [surface]
     return list(dict.fromkeys(piece.object for piece in pieces_of(surface)))
 
 
 def objects_of(surface: bpy.types.Object) -> list[bpy.types.Object]:
-    """What a joined surface consists of, with what instances it."""
+    """The parts of a joined surface and the objects that instance them."""
     found = (obj for piece in pieces_of(surface) for obj in (*piece.path, piece.object))
     return list(dict.fromkeys(found))
 
 
 def write_pieces(surface: bpy.types.Object, pieces: list[Piece]) -> None:
-    """Have a joined surface consist of these; what it had keeps its rest positions."""
+    """Replace the parts of a joined surface; parts that stay keep their rest positions."""
     with quiet():
         joined = surface.dapple.joined
         known = _rests(joined)
@@ -94,8 +94,9 @@ def write_pieces(surface: bpy.types.Object, pieces: list[Piece]) -> None:
 def copied_with(
     surface: bpy.types.Object, copies: dict[bpy.types.Object, bpy.types.Object]
 ) -> bpy.types.Object:
-    """A joined surface of copies of the parts, each at the rest positions of what it is a copy of;
-    of a collection it is no more.
+    """A joined surface of copied parts, each with the rest positions of its original.
+
+    It no longer follows a collection.
     """
     copy = surface.copy()
     copy.data = surface.data.copy()
@@ -112,7 +113,7 @@ def copied_with(
 
 @contextmanager
 def pieces_kept(surface: ObjectHandle) -> Iterator[None]:
-    """Set the parts of a joined surface back where what is done inside fails or is canceled."""
+    """Restore the parts of a joined surface if the code inside fails or is canceled."""
     joined = surface.get().dapple.joined
     before, rests = pieces_of(surface.get()), _rests(joined)
     try:
@@ -140,7 +141,7 @@ def _rests(joined: bpy.types.PropertyGroup) -> dict[Piece, Rest]:
 
 
 def _rest(obj: bpy.types.Object, cell: int) -> Rest:
-    """Scale and shift that bring the rest positions of a part into a cell of its own."""
+    """Scale and shift that move the rest positions of a part into a cell of its own."""
     low, high = _extent(obj)
     scale = 1.0 / max(float(np.max(high - low)), 1e-6)
     place = np.array([cell % _CELLS, cell // _CELLS % _CELLS, cell // _CELLS**2], dtype=np.float64)
@@ -183,7 +184,7 @@ def _add(
 
 
 def _write_group(surface: bpy.types.Object) -> None:
-    """Build the node group anew, for this surface alone."""
+    """Rebuild the node group, for this surface alone."""
     entries = surface.dapple.joined.entries
     parts = [
         Joined(one.object, one.inside, one.instances, one.rest_scale, tuple(one.rest_shift))
@@ -197,7 +198,7 @@ def _write_group(surface: bpy.types.Object) -> None:
 
 
 def _remove(group: bpy.types.NodeTree) -> None:
-    with suppress(ReferenceError):  # it is gone
+    with suppress(ReferenceError):  # it was removed
         if not group.users:
             bpy.data.node_groups.remove(group)
 
@@ -210,30 +211,32 @@ def _modifier(surface: bpy.types.Object) -> bpy.types.NodesModifier:
 
 
 def instanced(obj: bpy.types.Object) -> bpy.types.Collection | None:
-    """The collection that an empty instances, if it is one that does."""
+    """The collection that an empty instances; None if it does not."""
     return obj.instance_collection if obj.instance_type == "COLLECTION" else None
 
 
 def is_member(obj: bpy.types.Object) -> bool:
-    """Whether an object can be a part, or stands for some."""
+    """Whether an object can be a part or instances objects that can."""
     return (can_be_joined(obj) and not is_scatter(obj)) or instanced(obj) is not None
 
 
 def pieces_in(objects: Iterable[bpy.types.Object]) -> list[Piece]:
-    """The parts that objects are, or stand for."""
+    """The parts that these objects are or instance."""
     made = _made()
     found = dict(_pieces(objects, made, ()))
     return [piece for piece, shown in found.items() if shown]
 
 
 def pieces_of_collection(collection: bpy.types.Collection) -> list[Piece]:
-    """The parts that a collection has."""
+    """The parts in a collection."""
     found = dict(_collected(collection, _made(), (), True))
     return [piece for piece, shown in found.items() if shown]
 
 
 def wanted(surface: bpy.types.Object) -> list[Piece]:
-    """What a joined surface is to consist of now: parts stay in their order, new ones follow."""
+    """The parts that a joined surface should have now: known parts keep their order, new ones
+    follow.
+    """
     before, collection = pieces_of(surface), surface.dapple.joined.collection
     if collection is not None:
         found = dict(_collected(collection, _made(), (), True))
@@ -245,7 +248,7 @@ def wanted(surface: bpy.types.Object) -> list[Piece]:
 
 
 def members_of(surface: bpy.types.Object | None) -> list[bpy.types.Object]:
-    """A surface; a joined one with what it is to consist of now."""
+    """A surface; for a joined one, also the parts that it should have now."""
     if surface is None:
         return []
     found = [one for piece in wanted(surface) for one in (*piece.path, piece.object)]
@@ -253,7 +256,7 @@ def members_of(surface: bpy.types.Object | None) -> list[bpy.types.Object]:
 
 
 def collections_of(surface: bpy.types.Object | None) -> list[bpy.types.Collection]:
-    """Those whose objects are parts of a joined surface, with those inside them."""
+    """Collections, including nested ones, whose objects are parts of a joined surface."""
     found = [instanced(obj) for obj in members_of(surface)]
     if surface is not None:
         found.append(surface.dapple.joined.collection)
@@ -261,12 +264,12 @@ def collections_of(surface: bpy.types.Object | None) -> list[bpy.types.Collectio
 
 
 def _is_there(obj: bpy.types.Object) -> bool:
-    """Whether it was not deleted; Blender keeps what something still points to."""
+    """Whether it still exists; Blender keeps deleted objects that are referenced."""
     return obj.library is not None or bool(obj.users_collection)
 
 
 def _made() -> set[bpy.types.Object]:
-    """What scatters have made beside themselves."""
+    """Objects that scatters have created."""
     found = {obj.dapple.tiles.object for obj in bpy.data.objects if is_scatter(obj)}
     return {obj for obj in found if obj is not None}
 
@@ -277,7 +280,7 @@ def _pieces(
     path: tuple[bpy.types.Object, ...],
     shown: bool = True,
 ) -> Iterator[tuple[Piece, bool]]:
-    """Parts, and whether they are seen."""
+    """Parts, and whether they are visible."""
     for obj in objects:
         collection = instanced(obj)
         if collection is not None:

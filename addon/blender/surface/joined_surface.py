@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface that Add scatters over: an object, or several as one; and their parts, kept current.
+"""The surface that Add uses: one object or several joined ones, and updates of its parts.
 
-A joined surface is in no collection: its parts are seen, and it goes with its last scatter. Blender
-evaluates it for the scatters that are shown.
+A joined surface is not in any collection, since its parts are visible. It is removed with its last
+scatter. Blender evaluates it for the visible scatters.
 """
 
 from collections.abc import Iterator
@@ -32,7 +32,9 @@ from .joined_parts import (
 
 
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """What Add scatters over: the selected objects, if the active one is among them, else that."""
+    """The objects that Add uses: the selected ones if the active one is among them, else the active
+    one.
+    """
     active = context.object
     if active is None or is_scatter(active):
         return []
@@ -47,7 +49,7 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
 def surface_over(
     context: bpy.types.Context, collection: bpy.types.Collection | None = None
 ) -> Iterator[ObjectHandle]:
-    """The surface of what is chosen, or of a collection; gone if it is new and Add fails."""
+    """The surface made of the chosen objects or a collection; a new one is removed if Add fails."""
     objects = [] if collection else chosen(context)
     if len(objects) == 1 and is_surface(objects[0]):
         yield ObjectHandle(objects[0])
@@ -63,7 +65,7 @@ def surface_over(
 
 
 def other_selected(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """What is selected beside the active scatter and can be its surface, or a part of it."""
+    """Selected objects besides the active scatter that can be its surface or a part of it."""
     return [
         obj
         for obj in context.selected_objects
@@ -72,9 +74,9 @@ def other_selected(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 def put_on_selected(context: bpy.types.Context) -> None:
-    """Have the active scatter's surface be what is selected beside it; its points are out of date.
+    """Use the other selected objects as the active scatter's surface; its points become outdated.
 
-    Parts that the surface has already stay in their order.
+    Existing parts keep their order.
     """
     scatter, objects = context.object, other_selected(context)
     if len(objects) == 1 and is_surface(objects[0]):
@@ -95,7 +97,7 @@ def put_on_selected(context: bpy.types.Context) -> None:
 
 @contextmanager
 def surface_for(scatter: bpy.types.Object) -> Iterator[ObjectHandle]:
-    """The surface of a scatter that is solved or attached; a joined one is renewed."""
+    """The surface for solving or attaching a scatter; a joined one is updated first."""
     surface = ObjectHandle(surface_of(scatter))
     with renewed(surface):
         yield surface
@@ -103,7 +105,7 @@ def surface_for(scatter: bpy.types.Object) -> Iterator[ObjectHandle]:
 
 @contextmanager
 def renewed(surface: ObjectHandle) -> Iterator[None]:
-    """Have a joined surface consist of what it is to, also afterward if nothing fails."""
+    """Update the parts of a joined surface; the update stays unless the code inside fails."""
     obj = surface.get()
     if not is_joined(obj) or read_only(obj):
         yield
@@ -134,7 +136,7 @@ def _pieces(
 
 
 def _known(pieces: list[Piece], collection: bpy.types.Collection | None) -> ObjectHandle | None:
-    """The joined surface that there is of these already."""
+    """The existing joined surface of these parts; None if there is none."""
     for obj in bpy.data.objects:
         ours = is_joined(obj) and not read_only(obj) and obj.dapple.joined.collection == collection
         if ours and (collection is not None or set(pieces_of(obj)) == set(pieces)):
@@ -161,7 +163,7 @@ def _new(pieces: list[Piece], collection: bpy.types.Collection | None) -> Iterat
 
 
 def _is_played(surface: bpy.types.Object) -> bool:
-    """Whether a scatter that is shown has Blender evaluate a joined surface."""
+    """Whether a visible scatter makes Blender evaluate a joined surface."""
     shown = (obj for obj in bpy.context.view_layer.objects if is_scatter(obj) and obj.visible_get())
     return any(_plays(obj, surface) for obj in shown)
 
@@ -175,7 +177,7 @@ def _plays(scatter: bpy.types.Object, surface: bpy.types.Object) -> bool:
 
 @contextmanager
 def evaluated(surface: ObjectHandle) -> Iterator[None]:
-    """Have a joined surface be evaluated inside, even while no scatter on it is shown."""
+    """Make Blender evaluate a joined surface inside, even if no scatter on it is visible."""
     obj, scene = surface.get(), bpy.context.scene
     if _is_played(obj):
         yield
@@ -194,8 +196,9 @@ def evaluated(surface: ObjectHandle) -> Iterator[None]:
 def home_of(
     surface: bpy.types.Object, context: bpy.types.Context
 ) -> tuple[bpy.types.Collection, str]:
-    """The collection for what lies on a surface, so that both are shown and hidden together, and
-    what it is named after.
+    """The collection for objects that belong to a surface, and the object that names them.
+
+    The objects are then shown and hidden together with the surface.
     """
     if not is_joined(surface):
         return _open_collection(surface, context), surface.name
@@ -209,7 +212,7 @@ def _open_collection(
     context: bpy.types.Context,
     wished: bpy.types.Collection | None = None,
 ) -> bpy.types.Collection:
-    """One of the scene that takes another object, if possible the wished one or an object's."""
+    """A collection of the scene that accepts objects: the preferred one or one of the object's."""
     found = open_collections(obj)
     if wished is not None and not (wished.library or wished.override_library):
         found.insert(0, wished)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The evaluated mesh of a surface: read in parts as arrays, its rest positions."""
+"""The evaluated mesh of a surface, read in parts as arrays, and its rest positions."""
 
 import sys
 from collections.abc import Collection, Generator, Iterator
@@ -39,7 +39,7 @@ from .values import (
 def evaluated_mesh(
     obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph
 ) -> Iterator[bpy.types.Mesh]:
-    """The mesh of an object after its modifiers, gone when the block ends."""
+    """The mesh of an object after its modifiers; it is freed at the end of the block."""
     evaluated = obj.evaluated_get(depsgraph)
     if not evaluated.is_evaluated:
         raise ScatterError(
@@ -58,7 +58,7 @@ def read_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
     """Rest positions (v, 3) of the evaluated surface's vertices; ScatterError if they are lost."""
     name = "rest_position"
     for part in parts_of(obj):
-        if part.type == "MESH":  # the parts of a joined surface may be others
+        if part.type == "MESH":  # parts of a joined surface may have other types
             _check_rest(part, depsgraph, name)
     with evaluated_mesh(obj, depsgraph) as mesh:
         return read_columns(mesh, {name: "FLOAT_VECTOR"})[name].astype(np.float64)
@@ -78,7 +78,7 @@ def topology(mesh: bpy.types.Mesh) -> str:
     return topology_digest(len(mesh.vertices), corner_vertices(mesh), polygon_starts(mesh))
 
 
-# Vertices whose weights are read in one part, which takes half the time; all where nobody waits.
+# Vertices whose weights are read in one part; all at once if no artist waits.
 _AT_ONCE = sys.maxsize if bpy.app.background else 60_000
 Parts = Generator[Task, Any, Any]
 
@@ -86,8 +86,10 @@ Parts = Generator[Task, Any, Any]
 def mesh_parts(
     surface: ObjectHandle, known: RawMesh | None = None, *, shaded: bool = True, cut: bool = True
 ) -> Parts:
-    """Read a mesh, with its normals if they matter, and Blender's triangles where polygons have
-    many corners; what polygons it has, only where they are not those of one known before.
+    """Read a mesh in parts.
+
+    Reads its normals if they matter, Blender's triangles of polygons with many corners, and the
+    polygons unless they equal those of a known mesh.
     """
     obj = surface.get()
     with evaluated_mesh(obj, evaluated()) as mesh:
@@ -133,7 +135,7 @@ def _starts(surface: ObjectHandle, corner_count: int, count: int) -> Any:
 
 
 def _cut(surface: ObjectHandle, corner_count: int) -> Any:
-    """Blender's own triangles, of polygons with more than four corners."""
+    """Blender's own triangulation, if there are polygons with more than four corners."""
     with evaluated_mesh(surface.get(), evaluated()) as mesh:
         _check_count(surface, len(mesh.loops), corner_count)
         mesh.calc_loop_triangles()
@@ -143,7 +145,7 @@ def _cut(surface: ObjectHandle, corner_count: int) -> Any:
 
 
 def value_parts(surface: ObjectHandle, known: RawMesh, name: str) -> Parts:
-    """Read an attribute, or a vertex group some vertices at a time."""
+    """Read an attribute, or a vertex group a range of vertices at a time."""
     yield PAUSE
     obj = surface.get()
     with evaluated_mesh(obj, evaluated()) as mesh:
@@ -182,7 +184,7 @@ def read_uv(surface: ObjectHandle, known: RawMesh, name: str) -> Any:
 
 
 def uv_layer(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.types.MeshUVLoopLayer:
-    """The UV map of that name of an object's evaluated mesh; none: the one that renders use."""
+    """The UV map with this name in an object's evaluated mesh; by default the one for renders."""
     layers = mesh.uv_layers
     layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
     if layer is None:
@@ -197,7 +199,7 @@ def _check_count(surface: ObjectHandle, count: int, known: int) -> None:
 
 
 def read_mesh(obj: bpy.types.Object) -> SurfaceArrays:
-    """The surface as it is now, without values."""
+    """The current surface, without values."""
     return surface_of_raw(run_now(mesh_parts(ObjectHandle(obj))))
 
 
@@ -207,5 +209,5 @@ def read_outline(obj: bpy.types.Object) -> SurfaceArrays:
 
 
 def evaluated() -> bpy.types.Depsgraph:
-    """The scene as it is evaluated now."""
+    """The evaluated depsgraph of the current scene."""
     return bpy.context.evaluated_depsgraph_get()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where points are played now: by their own binding, or by the keys of a bake."""
+"""Where points are shown now: at their own binding, or at the keyframes of a bake."""
 
 import bpy
 import numpy as np
@@ -20,10 +20,10 @@ from .mesh import read_mesh, read_outline
 
 
 def places_now(obj: bpy.types.Object, rows: list[int], context: bpy.types.Context) -> Floats:
-    """World positions (k, 3) of points on the surface as it is at the moment.
+    """World positions (k, 3) of points on the current surface.
 
     Raises:
-        ScatterError: the surface has not the faces that they are bound to.
+        ScatterError: the surface does not have the faces that the points are bound to.
     """
     surface = surface_of(obj)
     arrays = read_mesh(surface)
@@ -42,10 +42,10 @@ def places_now(obj: bpy.types.Object, rows: list[int], context: bpy.types.Contex
 
 
 def points_now(obj: bpy.types.Object, known: dict[int, Baked]) -> tuple[Floats, NDArray[np.bool_]]:
-    """World positions (n, 3) of all points of a scatter as it is shown now, and which are there;
-    as they were optimized, where its surface has other faces.
+    """World positions (n, 3) of all points of a scatter as it is shown, and which of them exist.
 
-    known keeps what was read of bakes, by session_uid.
+    If the faces of its surface have changed, these are the positions of the optimization. `known`
+    caches keyframes by session_uid.
     """
     stored, all_there = to_world(obj, read_points(obj.data)), np.ones(len(obj.data.vertices), bool)
     if not obj.dapple.baked_keys and _is_as_solved(obj):
@@ -79,7 +79,7 @@ def _played(obj: bpy.types.Object, known: dict[int, Baked]) -> tuple[Floats, NDA
 
 
 def _around(obj: bpy.types.Object, rows: list[int], time: float) -> tuple[Binding, Binding, float]:
-    """Of some points: both keys around a time, and the share of the second."""
+    """For some points: both keyframes around a time, and the weight of the second."""
     table = frames(obj)
     at = min(max(time - obj.dapple.baked_start, 0.0), len(table["dapple_key"]) - 1.0)
     key, since, span = (int(table[f"dapple_{name}"][int(at)]) for name in ("key", "since", "span"))
@@ -88,7 +88,7 @@ def _around(obj: bpy.types.Object, rows: list[int], time: float) -> tuple[Bindin
 
 
 def _of_key(obj: bpy.types.Object, rows: list[int], key: int) -> Binding:
-    """A few rows, without reading all that a bake holds."""
+    """A few rows of a keyframe, without reading the whole bake."""
     keys, triangles = (stored_object(obj, name).data for name in ("Keys", "Triangles"))
     at = [key * len(obj.data.vertices) + row for row in rows]
     faces = [keys.attributes["dapple_face"].data[row].value for row in at]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether an operator can run on the active object, and the message that says why not."""
+"""Whether an operator can run on the active object, and the message if it cannot."""
 
 import bpy
 
@@ -12,7 +12,7 @@ from .joined_surface import chosen
 
 
 def free(cls: type[bpy.types.Operator]) -> bool:
-    """Whether long work can begin: the package is there, and no other work goes on."""
+    """Whether long work can begin: the package is installed and no other work is running."""
     work = operator_jobs.current()
     if missing():
         cls.poll_message_set(missing())
@@ -25,7 +25,7 @@ def free(cls: type[bpy.types.Operator]) -> bool:
 
 
 def ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bool) -> bool:
-    """Whether the active object fits: a scatter that is writable, or a surface."""
+    """Whether the active object fits: a writable scatter, or a surface."""
     obj = context.object
     if not free(cls):
         return False
@@ -43,7 +43,7 @@ def ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bo
 
 
 def writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Whether the active object is a scatter that keeps what is written to it."""
+    """Whether the active object is a scatter that can be written."""
     if not is_scatter(context.object):
         cls.poll_message_set(translated("The active object is not a Dapple scatter"))
     elif read_only(context.object):
@@ -54,7 +54,7 @@ def writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
 
 
 def editable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Whether the active object is a scatter whose points may be placed."""
+    """Whether the active object is a scatter whose points can be edited by hand."""
     if not ready(cls, context, scatter=True):
         return False
     if context.object.dapple.baked_keys:
@@ -64,7 +64,7 @@ def editable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
 
 
 def may_be_listed(cls: type[bpy.types.Operator], context: bpy.types.Context, why: str) -> bool:
-    """Whether the active object is a scatter whose lists can be edited; else it is said why."""
+    """Whether the lists of the active scatter can be edited; if not, sets the poll message."""
     if not writable(cls, context):
         return False
     if context.object.override_library:

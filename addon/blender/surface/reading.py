@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading a surface in the frame that is shown, or in another one."""
+"""Reading a surface in the current frame or in another one."""
 
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -24,16 +24,16 @@ from .surroundings import Known, Nearby, lasting, nearby_parts
 
 @dataclass
 class Read:
-    """What was read of a surface and from beside it."""
+    """The data read from a surface and its surroundings."""
 
     mesh: RawMesh
     values: list[RawValues] = field(default_factory=list)
     nearby: Nearby = field(default_factory=Nearby)
-    like: SurfaceArrays | None = None  # the same faces on a frame before
-    still: list[str] = field(default_factory=list)  # values that are as there
+    like: SurfaceArrays | None = None  # the same faces in a previous frame
+    still: list[str] = field(default_factory=list)  # values that equal those of `like`
 
     def arrays(self) -> SurfaceArrays:
-        """All of it; for a worker."""
+        """All of it as arrays; called in a worker."""
         around = self.nearby.surroundings()
         found = surface_of_raw(self.mesh, self.values, around, self.nearby.uv, self.like)
         if self.like is None:
@@ -49,11 +49,11 @@ def read_parts(
     own: ObjectHandle | None = None,
     known: Known | None = None,
 ) -> Parts:
-    """Read a surface part by part, with what settings take from it and from beside their scatter:
-    between two parts the artist's events are let through.
+    """Read a surface in parts, with all that the settings need from it and its surroundings.
 
-    Only what Blender has to hand out is done here; a worker makes arrays of it. Something may
-    change between two parts: whoever reads watches for that and begins anew.
+    Between two parts Blender handles the artist's events. Only data that Blender must provide is
+    read here; a worker makes arrays of it. The scene may change between two parts: the caller
+    watches for that and starts again.
     """
     known = known or Known()
     found = Read((yield from mesh_parts(surface, known.mesh)))
@@ -79,9 +79,7 @@ def read_steps(
     own: ObjectHandle | None = None,
     known: Known | None = None,
 ) -> Any:
-    """The same as arrays. known saves what reading again would find unchanged, from frame to frame
-    of a bake.
-    """
+    """The same as arrays. `known` holds data that is not read again in later frames of a bake."""
     read = yield from read_parts(surface, settings, own, known)
     arrays = yield Task(lambda _: read.arrays())
     if known is not None and settings is not None:
@@ -99,7 +97,7 @@ def read(
     may_be_empty: bool = False,
     known: Known | None = None,
 ) -> SurfaceArrays:
-    """The same at once; ScatterError where it has no faces, unless it may be bare."""
+    """The same at once; ScatterError if the surface has no faces, unless it may be empty."""
     scatter = ObjectHandle(own) if own is not None else None
     arrays: SurfaceArrays = run_now(read_steps(ObjectHandle(surface), settings, scatter, known))
     if not may_be_empty:
@@ -108,7 +106,7 @@ def read(
 
 
 def check_faces(surface: bpy.types.Object, arrays: SurfaceArrays) -> None:
-    """ScatterError where a surface that was read has none."""
+    """ScatterError if the surface has no faces."""
     if not len(arrays.faces):
         raise ScatterError(_without_faces(surface, bpy.context.evaluated_depsgraph_get()))
 
@@ -116,7 +114,7 @@ def check_faces(surface: bpy.types.Object, arrays: SurfaceArrays) -> None:
 def value_digests(
     obj: bpy.types.Object, names: Collection[str], materials: Collection[str]
 ) -> dict[str, str]:
-    """Digests of values of a surface, by name; see SurfaceArrays.digests."""
+    """Digests of values of a surface by name; see SurfaceArrays.digests."""
     if not names and not materials:
         return {}
     surface = ObjectHandle(obj)
@@ -128,7 +126,7 @@ def value_digests(
 
 
 def _without_faces(surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
-    """That a surface has none now, and what to do where it has instances instead."""
+    """Message that a surface has no faces; if it has instances, what to do."""
     text = f"Surface '{surface.name}' has no faces at frame {depsgraph.scene.frame_current_final:g}"
     if any(
         one.is_instance and one.parent and one.parent.original == surface
@@ -148,7 +146,7 @@ def at_frame(
     may_be_empty: bool = False,
     known: Known | None = None,
 ) -> SurfaceArrays:
-    """The surface at a time of the animation, with its rest shape where points are bound to it."""
+    """The surface at a time of the animation, with its rest shape if points are bound to it."""
     show_time(bpy.context.scene, frame + part)
     arrays = read(surface.get(), settings, own.get() if own else None, may_be_empty, known)
     has_rest = kind == "REST" and len(arrays.faces)
@@ -162,8 +160,9 @@ def as_read(
     settings: Settings | None = None,
     own: bpy.types.Object | None = None,
 ) -> Iterator[None]:
-    """Show inside the time at which a surface was read, as the artist may look at another frame;
-    ChangedError where it is not the one that was read.
+    """Show the time at which a surface was read, as the artist may have changed the frame.
+
+    ChangedError if the surface is not the one that was read.
     """
     scene = bpy.context.scene
     if time_of(scene) == arrays.time:
@@ -177,13 +176,13 @@ def as_read(
 
 @contextmanager
 def frame_kept(scene: bpy.types.Scene, show: float | None = None) -> Iterator[None]:
-    """Have a scene show the same frame afterward, and inside the given time, if there is one."""
+    """Restore the current frame of a scene afterward; show the given time inside, if any."""
     uid, frame, subframe = scene.session_uid, scene.frame_current, scene.frame_subframe
     try:
         if show is not None:
             show_time(scene, show)
         yield
     finally:
-        for same in bpy.data.scenes:  # an undo may have left a reference dangling
+        for same in bpy.data.scenes:  # an undo may have invalidated the reference
             if same.session_uid == uid:
                 same.frame_set(frame, subframe=subframe)

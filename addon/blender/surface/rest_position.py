@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What points are bound to, faces or the rest position, and Rest Position of the surface.
+"""The kind of a binding, faces or rest position, and the surface's switch Rest Position.
 
-Metaballs have no rest position and other faces in every frame: their points are bound to places in
-the object's own space, as of the frame for which they were solved.
+Metaballs have no rest position, and their faces change in every frame: their points are bound to
+places in the object's own space at the frame that was solved.
 """
 
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ from .subdivision import check_render_topology, render_mismatch
 
 
 def kind_of_binding(obj: bpy.types.Object, context: bpy.types.Context, attach_to: str) -> str:
-    """FACES or REST, as attach_to says for a surface; ScatterError where that cannot be."""
+    """FACES or REST, according to attach_to; ScatterError if the surface does not support it."""
     if is_fluid(obj):
         return _kind_of_fluid(obj, attach_to)
     if attach_to == "AUTO":
@@ -46,7 +46,7 @@ def _check_rest_can_be_on(obj: bpy.types.Object) -> None:
 
 
 def _with_rest_position(surface: bpy.types.Object) -> list[bpy.types.Object]:
-    """What a surface consists of that has such a switch which counts."""
+    """The objects of a surface that have an effective Rest Position switch."""
     return [part for part in parts_of(surface) if part.type == "MESH"]
 
 
@@ -67,7 +67,7 @@ def _kind_of_fluid(obj: bpy.types.Object, attach_to: str) -> str:
 
 @contextmanager
 def rest_position(surface: ObjectHandle, kind: str) -> Iterator[None]:
-    """Have Rest Position of a surface on inside, and from then on if nothing fails."""
+    """Enable Rest Position of a surface inside; it stays enabled unless the code inside fails."""
     with rest_position_kept(surface):
         for part in _with_rest_position(surface.get()) if kind == "REST" else ():
             if not part.add_rest_position_attribute:
@@ -77,7 +77,7 @@ def rest_position(surface: ObjectHandle, kind: str) -> Iterator[None]:
 
 @contextmanager
 def rest_position_kept(surface: ObjectHandle) -> Iterator[None]:
-    """Set Rest Position back where what is done inside fails or is canceled."""
+    """Restore Rest Position if the code inside fails or is canceled."""
     before = [
         (ObjectHandle(part), part.add_rest_position_attribute)
         for part in _with_rest_position(surface.get())

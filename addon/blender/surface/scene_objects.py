@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects beside a surface that a density depends on, and lines of those that have no faces."""
+"""Objects of the scene that a density depends on, and their lines if they have no faces."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -21,7 +21,7 @@ _MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
 def own_objects(scatter: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
-    """A scatter, its tiles and what it places: it would flee from its last result."""
+    """A scatter, its tiles and its instanced objects: it must not avoid its own result."""
     if scatter is None:
         return
     settings = scatter.dapple
@@ -35,7 +35,7 @@ def own_objects(scatter: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
 
 
 def _with_its_mesh(made: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
-    """An object, and linked duplicates of it."""
+    """An object and its linked duplicates."""
     if made is not None:
         yield from (one for one in bpy.data.objects if one.data == made.data)
 
@@ -43,19 +43,19 @@ def _with_its_mesh(made: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
 def obstacles_of(
     name: str, surface: bpy.types.Object, scatter: bpy.types.Object | None
 ) -> list[bpy.types.Object]:
-    """Objects of a collection that a scatter on a surface keeps off."""
+    """Objects of a collection that a scatter on a surface has to avoid."""
     return list(_obstacles(name, {*parts_of(surface), *own_objects(scatter)}))
 
 
 def _obstacles(name: str, own: set[bpy.types.Object]) -> Iterator[bpy.types.Object]:
-    """Objects of a collection and those inside it that points have to avoid."""
+    """Objects of a collection, including nested ones, that points have to avoid."""
     for obj in _seen(name):
         if obj.type in _MESHES and obj not in own:
             yield obj
 
 
 def _seen(name: str) -> list[bpy.types.Object]:
-    """Objects of a collection and those inside it that are in the view layer."""
+    """Objects of a collection, including nested ones, in the view layer."""
     collection = by_full_name(bpy.data.collections, name)
     if collection is None:
         raise ScatterError(f"There is no collection '{name}'")
@@ -66,7 +66,7 @@ def _seen(name: str) -> list[bpy.types.Object]:
 def targets_of(
     density: DensitySettings, surface: bpy.types.Object, scatter: bpy.types.Object | None
 ) -> list[bpy.types.Object]:
-    """Objects that the distance of a density is measured to; none where none was chosen."""
+    """Objects to which the density's distance is measured; empty if none was chosen."""
     found: dict[bpy.types.Object, None] = {}
     if density.use_distance and density.distance_object:
         chosen = by_full_name(bpy.data.objects, density.distance_object)
@@ -81,7 +81,7 @@ def targets_of(
 
 
 def check_targets(density: DensitySettings, count: int) -> None:
-    """ScatterError if a distance is to be measured and there is nothing that it can be to."""
+    """ScatterError if a distance is measured, but there is no object to measure it to."""
     chosen = [one for one in (density.distance_object, density.distance_collection) if one]
     if density.use_distance and chosen and not count:
         named = " and ".join(f"'{one}'" for one in chosen)
@@ -92,17 +92,17 @@ def check_targets(density: DensitySettings, count: int) -> None:
 
 
 def by_full_name(blocks: Any, name: str) -> Any:
-    """The data-block of that full name, which names its file too; None if there is none."""
+    """The data-block with this full name, which includes its file; None if there is none."""
     return next((one for one in blocks if one.name_full == name), None)
 
 
 def read_lines(
     obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, known: dict[int, Baked] | None = None
 ) -> Floats | None:
-    """Segments (k, 2, 3) in world space, or points as segments; None: the object has faces.
+    """Line segments (k, 2, 3) in world space, or points as segments; None if it has faces.
 
-    A curve without bevel is its line, a scatter its points, a mesh without faces its edges or its
-    vertices. What has no shape is a point at its origin.
+    A curve without bevel is read as its line, a scatter as its points, a mesh without faces as its
+    edges or vertices. An object without a shape is a point at its origin.
     """
     evaluated = obj.evaluated_get(depsgraph)
     found: Floats | None
@@ -151,7 +151,7 @@ def _of_strands(evaluated: bpy.types.Object) -> Floats:
     evaluated.data.attributes["position"].data.foreach_get("vector", stored)
     places = to_world(evaluated, stored.reshape(-1, 3).astype(np.float64))
     inner = np.ones(len(places), dtype=bool)
-    inner[np.cumsum(lengths) - 1] = False  # the last of each
+    inner[np.cumsum(lengths) - 1] = False  # the last point of each strand
     first = np.flatnonzero(inner)
     return np.stack([places[first], places[first + 1]], axis=1)
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Do the viewport and the render evaluate a surface to the same faces?
+"""Whether the viewport and the render evaluate a surface to the same faces.
 
-Points are bound by vertex indices, so they must. Python cannot ask for a depsgraph in render
-mode; so a copy of the object, given the values that the render uses, is evaluated in a scene
-of its own. A difference that only nodes know (Is Viewport) is left to the node group's guard.
+Points are bound by vertex indices, so they must. Python cannot get a depsgraph in render mode, so a
+copy of the object with the render's values is evaluated in a scene of its own. Differences made by
+nodes (Is Viewport) are detected by the node group.
 """
 
 from collections.abc import Iterator
@@ -43,7 +43,7 @@ def check_render_topology(obj: bpy.types.Object, context: bpy.types.Context) -> 
 
 
 def render_mismatch(obj: bpy.types.Object, context: bpy.types.Context) -> str:
-    """How viewport and render evaluate obj to different faces, and what to do; empty if not."""
+    """How viewport and render differ in the faces of obj, and what to do; empty if they agree."""
     found = (_mismatch(part, context) for part in parts_of(obj))
     return next(filter(None, found), "")
 
@@ -68,7 +68,7 @@ def _mismatch(obj: bpy.types.Object, context: bpy.types.Context) -> str:
 def differences(
     obj: bpy.types.Object, scene: bpy.types.Scene, translate: Translate = english
 ) -> list[str]:
-    """Settings by which viewport and render differ, in words."""
+    """Settings in which viewport and render differ, as text."""
     parts = parts_of(obj)
     causes = [
         words if part == obj else translate("'{part}': {cause}", part=part.name, cause=words)
@@ -109,7 +109,7 @@ def _modifier_difference(modifier: bpy.types.Modifier, translate: Translate) -> 
 
 
 def _resolutions(obj: bpy.types.Object) -> Iterator[tuple[tuple[str, str], int, int]]:
-    """Names and values of resolutions that differ, of the viewport and of the render."""
+    """Names of resolutions that differ, with their values in the viewport and the render."""
     for names in _RESOLUTIONS if obj.type in _CURVES else ():
         seen, used = (getattr(obj.data, name) for name in names)
         if used not in (0, seen):
@@ -124,11 +124,11 @@ def _simplified(scene: bpy.types.Scene) -> bool:
 
 @contextmanager
 def render_mesh(obj: bpy.types.Object, context: bpy.types.Context) -> Iterator[bpy.types.Mesh]:
-    """The mesh that a render would get, from a copy in a scene that is gone afterward."""
+    """The mesh that a render would get, from a copy in a temporary scene."""
     copy, scene = obj.copy(), bpy.data.scenes.new("Dapple Render Topology")
     data = obj.data.copy() if obj.type in _CURVES else None
     try:
-        copy.animation_data_clear()  # drivers would put the viewport's levels back
+        copy.animation_data_clear()  # drivers would restore the viewport's levels
         if data is not None:
             data.animation_data_clear()
             copy.data = data
@@ -222,7 +222,7 @@ def _differences(surface: bpy.types.Object) -> tuple[str, ...]:
     return tuple(differences(surface, bpy.context.scene, translated))
 
 
-# Of a surface: by what the viewport and renders differ.
+# How the viewport and renders of a surface differ.
 DIFFERENCES = CachedValue(_differences, ())
 
 

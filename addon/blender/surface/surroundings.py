@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a density takes from beside its surface: an image, the camera, objects to avoid."""
+"""Inputs of a density besides its surface: an image, the camera, objects to avoid."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -24,7 +24,7 @@ from .mesh import Parts, evaluated, mesh_parts, read_uv
 from .playback import points_now
 from .scene_objects import check_targets, obstacles_of, read_lines, targets_of
 
-# Modifiers that leave weights as they are wherever vertices stay.
+# Modifiers that do not change weights of the vertices that stay.
 _KEEPS_WEIGHTS = {
     "ARMATURE",
     "CAST",
@@ -58,28 +58,28 @@ _KEEPS_WEIGHTS = {
 
 @dataclass
 class Known:
-    """What was read on a frame before, where it cannot have changed."""
+    """Data of previous frames that cannot have changed."""
 
-    mesh: RawMesh | None = None  # of the first frame with its faces
-    arrays: SurfaceArrays | None = None  # what was made of it
-    meshes: dict[int, RawMesh] = field(default_factory=dict)  # beside the surface
+    mesh: RawMesh | None = None  # the first frame with these faces
+    arrays: SurfaceArrays | None = None  # the arrays made from it
+    meshes: dict[int, RawMesh] = field(default_factory=dict)  # other meshes
     picture: dict[str, Any] | None = None
-    scatters: dict[int, Baked] = field(default_factory=dict)  # keys of those that are baked
+    scatters: dict[int, Baked] = field(default_factory=dict)  # keyframes of baked scatters
 
     def like(self, topology: str) -> SurfaceArrays | None:
-        """What was read of the same polygons."""
+        """The arrays that were read for the same polygons."""
         same = self.arrays is not None and self.arrays.topology == topology
         return self.arrays if same else None
 
 
 @dataclass
 class Nearby:
-    """What was read beside a surface."""
+    """The inputs besides a surface, as they were read."""
 
     uv: Any = None  # (c, 2) of the surface's corners
-    images: list[RawImage] = field(default_factory=list)  # one, or its tiles
+    images: list[RawImage] = field(default_factory=list)  # one image, or its tiles
     channel: str = ""  # of the image
-    picture: dict[str, Any] | None = None  # made of the images, where it is known
+    picture: dict[str, Any] | None = None  # the density of the images, if it is known
     camera: Floats | None = None
     obstacles: list[RawMesh] = field(default_factory=list)
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))
@@ -88,7 +88,7 @@ class Nearby:
     lines: list[Floats] = field(default_factory=lambda: [np.empty((0, 2, 3))])
 
     def surroundings(self) -> Surroundings:
-        """All but texture coordinates, which triangles have; for a worker."""
+        """All inputs except texture coordinates, which belong to triangles; called in a worker."""
         if self.picture is None:
             self.picture = image_density(self.images, self.channel)
         return Surroundings(
@@ -103,7 +103,7 @@ class Nearby:
 
 
 def _solids(meshes: list[RawMesh]) -> tuple[tuple[Floats, Ints], ...]:
-    """Vertices and faces of those that have some."""
+    """Vertices and faces of the meshes that have faces."""
     return tuple(one.solid for one in meshes if len(one.solid[1]))
 
 
@@ -114,8 +114,10 @@ def nearby_parts(
     mesh: RawMesh | None,
     known: Known,
 ) -> Parts:
-    """Read what a density takes from beside a surface; nothing that the scatter `own` makes or
-    places is its obstacle. The mesh of the surface is needed where there is an image.
+    """Read the inputs of a density besides its surface.
+
+    The scatter `own` does not avoid its own objects. The mesh of the surface is needed if there is
+    an image.
     """
     found = Nearby()
     if density.image:
@@ -164,7 +166,7 @@ def _target_parts(
     own: ObjectHandle | None,
     known: Known,
 ) -> Parts:
-    """Read what a distance is measured to."""
+    """Read the objects to which a distance is measured."""
     for other in [ObjectHandle(one) for one in targets_of(density, surface.get(), _object(own))]:
         lines = read_lines(other.get(), evaluated(), known.scatters)
         if lines is None:
@@ -178,7 +180,7 @@ def _target_parts(
 def read_around(
     settings: Settings, obj: bpy.types.Object, own: bpy.types.Object | None
 ) -> Surroundings:
-    """What these settings take from beside a surface, for a scatter."""
+    """The inputs besides the surface that a scatter's settings need."""
     surface, scatter = ObjectHandle(obj), ObjectHandle(own) if own is not None else None
     mesh = run_now(mesh_parts(surface, shaded=False)) if settings.density.image else None
     found = run_now(nearby_parts(settings.density, surface, scatter, mesh, Known()))
@@ -216,7 +218,7 @@ def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:
 def balls(
     others: list[bpy.types.Object], margin: float, known: dict[int, Baked] | None = None
 ) -> tuple[Floats, Floats]:
-    """Points of other scatters as they are now, and how far to keep away from each."""
+    """Current points of other scatters, and the distance to keep from each."""
     points, radii = [np.empty((0, 3))], [np.empty(0)]
     for obj in others:
         if is_scatter(obj):
@@ -229,7 +231,7 @@ def balls(
 
 
 def _radii(obj: bpy.types.Object, count: int) -> Floats:
-    """Of a scatter's instances, by their classes; 0 where none is set."""
+    """Radius of each instance of a scatter by its object type; 0 if none is set."""
     own = np.array([kind.radius for kind in obj.dapple.object_types])
     if not len(own) or "dapple_object_type" not in obj.data.attributes:
         return np.zeros(count)
@@ -240,8 +242,9 @@ def _radii(obj: bpy.types.Object, count: int) -> Floats:
 
 
 def lasting(obj: bpy.types.Object, names: Iterable[str]) -> list[str]:
-    """Those of a surface's values that no frame changes: vertex groups, which are slow to read,
-    below modifiers that leave them alone.
+    """Names of the surface's values that do not change between frames.
+
+    These are vertex groups, which are slow to read, below modifiers that do not change them.
     """
     parts = parts_of(obj)
     kept = all(
@@ -254,7 +257,7 @@ def lasting(obj: bpy.types.Object, names: Iterable[str]) -> list[str]:
 
 
 def is_rigid(obj: bpy.types.Object) -> bool:
-    """Whether the shape of an object is the same on all frames."""
+    """Whether the shape of an object is the same in all frames."""
     mesh = obj.data
     plain = obj.type == "MESH" and not obj.modifiers and not mesh.shape_keys
     return bool(plain and not _is_animated(mesh))

@@ -18,14 +18,14 @@ from .joined_parts import is_joined, parts_of
 GROUP_PART = 5_000  # vertices
 
 _FIELDS = {"FLOAT": "value", "INT": "value", "INT8": "value", "BOOLEAN": "value"}
-# Blender hands out numbers of its own type as one block of memory.
+# Blender provides numbers of its own type as one block of memory.
 _NUMPY = {"INT": np.int32, "INT8": np.int8, "BOOLEAN": np.bool_}
 _COLORS = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
 _DOMAINS = {"POINT", "FACE", "CORNER"}
 
 
 def weight_names(obj: bpy.types.Object) -> list[str]:
-    """What can be read from an object's mesh as it is before its modifiers."""
+    """Names that can be read from an object's mesh before its modifiers."""
     parts = parts_of(obj)
     groups = [group.name for part in parts for group in part.vertex_groups]
     return list(dict.fromkeys(groups + [name for part in parts for name in _attributes(part)]))
@@ -35,17 +35,17 @@ def _attributes(obj: bpy.types.Object) -> list[str]:
     kinds = _FIELDS.keys() | _COLORS.keys()
     return [
         one.name
-        for one in getattr(obj.data, "attributes", ())  # curves and the like have none
+        for one in getattr(obj.data, "attributes", ())  # curves, for example, have none
         if one.data_type in kinds and one.domain in _DOMAINS and not one.is_internal
         if one.name != MATERIAL
     ]
 
 
 def read_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawValues:
-    """Values of the evaluated mesh of an object, where they are stored.
+    """Values of an object's evaluated mesh, where they are stored.
 
     Raises:
-        ScatterError: there is no such attribute or vertex group, or it is no density.
+        ScatterError: there is no such attribute or vertex group, or it cannot be a density.
     """
     raw = raw_values(obj, mesh, name)
     if raw is None:
@@ -56,10 +56,10 @@ def read_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawV
 
 
 def raw_values(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawValues | None:
-    """Values of an attribute as they are stored; None if a vertex group has that name.
+    """Values of an attribute as they are stored; None if a vertex group has this name.
 
     Raises:
-        ScatterError: there is neither, or it can be no density.
+        ScatterError: there is neither, or it cannot be a density.
     """
     if name == MATERIAL:
         raise ScatterError(
@@ -80,11 +80,12 @@ def raw_values(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawVal
 
 
 def group_of(obj: bpy.types.Object, name: str) -> int:
-    """Index of a vertex group in the evaluated mesh of an object; a joined surface has those of
-    its parts, which only the evaluated object lists.
+    """Index of a vertex group in an object's evaluated mesh.
+
+    A joined surface has the groups of its parts, which only the evaluated object lists.
 
     Raises:
-        ScatterError: there is none.
+        ScatterError: there is no such group.
     """
     owner = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()) if is_joined(obj) else obj
     group = owner.vertex_groups.get(name)
@@ -94,10 +95,10 @@ def group_of(obj: bpy.types.Object, name: str) -> int:
 
 
 def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str, part: slice) -> Floats:
-    """Weights of some of the vertices in a vertex group, at most GROUP_PART to be quick."""
+    """Weights of a range of vertices in a vertex group; at most GROUP_PART vertices to be quick."""
     vertices, index = mesh.vertices, group_of(obj, name)
     own = []
-    for at in range(*part.indices(len(vertices))):  # Blender finds a slice's beginning by walking
+    for at in range(*part.indices(len(vertices))):  # Blender finds the start of a slice by walking
         for one in vertices[at].groups:
             if one.group == index:
                 own.append(one.weight)
@@ -123,7 +124,7 @@ def _values(obj: bpy.types.Object, attribute: bpy.types.Attribute) -> NDArray[An
 
 
 def all_group_weights(mesh: bpy.types.Mesh, index: int) -> Floats:
-    """Blender gives weights vertex by vertex only; bmesh does so in half the time of the mesh."""
+    """Weights of all vertices. bmesh needs half the time of Blender's access by vertex."""
     edited = bmesh.new()
     edited.from_mesh(mesh, face_normals=False, vertex_normals=False)
     layer, count = edited.verts.layers.deform.active, len(edited.verts)
@@ -139,7 +140,7 @@ def all_group_weights(mesh: bpy.types.Mesh, index: int) -> Floats:
 def surface_materials(
     surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph
 ) -> list[bpy.types.Material]:
-    """Those of the objects that a surface consists of, then those that modifiers add."""
+    """Materials of the objects of a surface, followed by those that modifiers add."""
     slots = [slot.material for part in parts_of(surface) for slot in part.material_slots]
     evaluated = surface.evaluated_get(depsgraph)
     made = getattr(evaluated.data, "materials", ()) if evaluated.is_evaluated else ()
@@ -148,7 +149,7 @@ def surface_materials(
 
 
 def read_materials(obj: bpy.types.Object, mesh: bpy.types.Mesh, names: Iterable[str]) -> RawValues:
-    """Of each face of the evaluated mesh of an object, whether it has one of these materials.
+    """For each face of an object's evaluated mesh, whether it has one of these materials.
 
     Raises:
         ScatterError: the surface has none of them.
@@ -169,9 +170,9 @@ def read_materials(obj: bpy.types.Object, mesh: bpy.types.Mesh, names: Iterable[
 
 
 def _slots(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> list[str]:
-    """Full names of the materials that faces have by their indices; "" of empty slots.
+    """Full names of the materials by their index; "" for empty slots.
 
-    A slot of the object takes the place of the same one of its mesh, as in renders.
+    A slot of the object overrides the slot of its mesh, as in renders.
     """
     found = [one.original if one is not None else None for one in mesh.materials]
     for k, slot in enumerate(obj.material_slots[: len(found)]):

@@ -155,7 +155,8 @@ scene = bpy.context.scene
 scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
 scene.collection.objects.link(scene.camera)
 scene.camera.location.z = 100.0
-near = {"Detail_Full_Until": 1.0, "Detail_Minimum": 0.25, "Detail_Outside_View": 1.0, "Detail_Fade": 0.0}
+near = {"Detail_Full_Until": 1.0, "Detail_Minimum": 0.25}
+near |= {"Detail_Outside_View": 1.0, "Detail_Fade": 0.0}
 fewer = lambda node, attribute, cloud: node(
     "Dapple Level of Detail", Points=bound("bound", cloud, node).outputs[0], **near
 )
