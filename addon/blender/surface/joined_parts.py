@@ -7,7 +7,7 @@ not in any collection, since its parts are visible. The node group is built from
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 import bpy
 import numpy as np
@@ -33,7 +33,7 @@ class Piece(NamedTuple):
     path: tuple[bpy.types.Object, ...] = ()
 
 
-def is_joined(obj: bpy.types.Object | None) -> bool:
+def is_joined(obj: bpy.types.Object | None) -> TypeGuard[bpy.types.Object]:
     """Whether an object joins the meshes of others."""
     return obj is not None and len(obj.dapple.joined.entries) > 0
 

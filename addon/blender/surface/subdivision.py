@@ -212,10 +212,14 @@ class DAPPLE_OT_match_subdivision(AllOrNothing, bpy.types.Operator):
         return not reason
 
     def work(self, context: bpy.types.Context) -> None:
-        match_subdivision(active_surface(context), context.scene, self.use)
+        surface = active_surface(context)
+        if surface is not None:
+            match_subdivision(surface, context.scene, self.use)
 
     def concerned(self, context: bpy.types.Context) -> list[bpy.types.Object]:
-        return [obj for obj in parts_of(active_surface(context)) if obj.type != "MESH"]
+        surface = active_surface(context)
+        parts = parts_of(surface) if surface is not None else []
+        return [obj for obj in parts if obj.type != "MESH"]
 
 
 def _differences(surface: bpy.types.Object) -> tuple[str, ...]:
