@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node groups that are of use alone, behind other nodes: what an asset browser says of them."""
+"""The node groups that are useful alone, behind other nodes, and their descriptions as assets."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ from .scatter import GROUP_NAME, ensure_group
 
 CATALOG = "f8f09e78-8d7a-4b5c-9bdd-e3485973ed0f"  # as in assets/blender_assets.cats.txt
 AUTHOR = "Dapple developers"
-LICENSE = "CC0-1.0"  # of the groups: they become part of files that are others'
+LICENSE = "CC0-1.0"  # license of the groups, as they become part of other people's files
 
 
 @dataclass(frozen=True)
 class Asset:
-    """A group and what is said of it; no part is the whole: one kind of instances, no classes."""
+    """A group and its description; without a part it is the whole, for one object type."""
 
     description: str
     tags: tuple[str, ...]
@@ -29,11 +29,11 @@ class Asset:
 
     @property
     def name(self) -> str:
-        """Of the node group."""
+        """Name of the node group."""
         return self.part.name if self.part else GROUP_NAME
 
     def build(self) -> bpy.types.NodeTree:
-        """The group in the open file, built if there is none."""
+        """The group in the open file; built if necessary."""
         return ensure(self.part) if self.part else ensure_group()
 
 
@@ -80,7 +80,7 @@ ASSETS = (
 
 
 def mark(asset: Asset) -> bpy.types.NodeTree:
-    """The group, as an asset of the catalog Dapple."""
+    """The group, marked as an asset of the catalog Dapple."""
     group = asset.build()
     group.asset_mark()
     data = group.asset_data
@@ -92,6 +92,6 @@ def mark(asset: Asset) -> bpy.types.NodeTree:
 
 
 def write(path: str, more: Iterable[bpy.types.ID] = ()) -> None:
-    """Write all assets, and the groups inside them, to a .blend of their own; others with them."""
+    """Write all assets with their inner groups, and more data-blocks, to a .blend."""
     groups = {mark(asset) for asset in ASSETS}
     bpy.data.libraries.write(path, {*groups, *more}, fake_user=True)

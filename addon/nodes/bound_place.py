@@ -18,9 +18,11 @@ SHADING_INPUTS = [
 
 
 def _build_bound_place() -> bpy.types.NodeTree:
-    """New group; the vertices V0 to V2, the face corners C0 to C2 there, their weights W0 to W2 and
-    Turn are fields (core/surface), Hard and Shaded what shading.py says of Unmoved. That is the
-    surface in its own space, which Normals turns normals from where Surface is sheared.
+    """New group.
+
+    The vertices V0 to V2, the face corners C0 to C2 there, their weights W0 to W2 and Turn are
+    fields (core/surface); Hard and Shaded are outputs of shading for Unmoved, the surface in its
+    own space. Normals rotates normals from there if Surface is sheared.
     """
     tree = new_group(
         BOUND_PLACE.name,
@@ -72,8 +74,10 @@ def _weighted(b: Builder, values: list[Socket], weights: list[Socket]) -> Socket
 
 
 def _ahead(b: Builder, first: Socket, second: Socket, normal: Socket) -> Socket:
-    """The first edge turned with the triangle's plane, the shortest way to the normal, but for a
-    multiple of the normal: what stands there is put upright anyway (core/surface/frames.py).
+    """The first edge, rotated with the triangle's plane to the normal by the shortest way.
+
+    It may be off by a multiple of the normal, which the orientation removes
+    (core/surface/frames.py).
     """
     flat = b.vector("NORMALIZE", b.vector("CROSS_PRODUCT", first, second))
     height = b.number("MAXIMUM", b.number("ADD", _dot(b, flat, normal), 1.0), LEAST_HEIGHT)
@@ -86,7 +90,9 @@ def _dot(b: Builder, u: Socket, v: Socket) -> Socket:
 
 
 def _build_bound_point() -> bpy.types.NodeTree:
-    """New group; all but Surface are fields: vertices, face corners there, weights (records.py)."""
+    """New group. All inputs except Surface are fields: vertices, face corners, weights
+    (records.py).
+    """
     tree = new_group(
         BOUND_POINT.name,
         [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A thin hand for writing node trees: add a node, feed its sockets, take its output."""
+"""Helpers to write node trees: add a node, connect its inputs, use its output."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,18 +21,18 @@ class Builder:
         self.sink = tree.nodes.new("NodeGroupOutput")
 
     def input(self, name: str) -> Socket:
-        """The group input called name."""
+        """The group input with this name."""
         return self.source.outputs[name]
 
     def output(self, name: str, value: Socket) -> None:
-        """Feed the group output called name."""
+        """Connect the group output with this name."""
         self.tree.links.new(value, self.sink.inputs[name])
 
     def node(self, kind: str, *feeds: Any, **settings: Any) -> bpy.types.Node:
-        """New node of a kind; feeds go to its enabled input sockets in their order."""
+        """New node of a kind; `feeds` are connected to its enabled inputs in their order."""
         node = self.tree.nodes.new(kind)
         for key, value in settings.items():
-            if getattr(node, key) != value:  # Blender looks through the whole tree at each edit
+            if getattr(node, key) != value:  # each assignment makes Blender search the whole tree
                 setattr(node, key, value)
         sockets = [socket for socket in node.inputs if socket.enabled]
         for socket, feed in zip(sockets, feeds, strict=False):
@@ -46,7 +46,7 @@ class Builder:
             socket.default_value = feed
 
     def group(self, tree: bpy.types.NodeTree, *feeds: Any) -> bpy.types.Node:
-        """New node with a group; feeds go to its inputs in their order."""
+        """New node with a group; `feeds` are connected to its inputs in their order."""
         node = self.node("GeometryNodeGroup")
         node.node_tree = tree
         for socket, feed in zip(node.inputs, feeds, strict=True):
@@ -68,7 +68,7 @@ class Builder:
         return self.out("ShaderNodeVectorMath", a, b, operation=operation)
 
     def scaled(self, vector: Any, factor: Any) -> Socket:
-        """Vector times a number."""
+        """A vector times a number."""
         node = self.node("ShaderNodeVectorMath", operation="SCALE")
         self._feed(node.inputs["Vector"], vector)
         self._feed(node.inputs["Scale"], factor)
@@ -95,14 +95,14 @@ class Builder:
         return self.out("GeometryNodeInputNamedAttribute", name, data_type=data_type)
 
     def attribute_or(self, name: str, data_type: str, input_type: str, other: Any) -> Socket:
-        """Field of a named attribute, another value on a geometry that has none."""
+        """Field of a named attribute, with a default for geometry that does not have it."""
         value = self.attribute(name, data_type)
         return self.switch(input_type, value.node.outputs["Exists"], other, value)
 
     def sample(
         self, geometry: Any, value: Any, index: Any, data_type: str, domain: str = "POINT"
     ) -> Socket:
-        """Value of a field at the point, or the element of another domain, with this index."""
+        """Value of a field at the element with this index, by default a point."""
         kinds = {"data_type": data_type, "domain": domain}
         return self.out("GeometryNodeSampleIndex", geometry, value, index, **kinds)
 
@@ -120,14 +120,14 @@ class Builder:
         return self.integer("ADD", self.count(geometry), self.count(geometry, "POINTCLOUD"))
 
     def turned(self, rotation: Any, angle: Any) -> Socket:
-        """Rotation turned by an angle about its own Z."""
+        """A rotation, turned by an angle about its own Z."""
         turn = self.out("FunctionNodeAxisAngleToRotation", (0.0, 0.0, 1.0), angle)
         return self.out("FunctionNodeRotateRotation", rotation, turn, rotation_space="LOCAL")
 
     def store(
         self, geometry: Any, name: str, value: Any, data_type: str, domain: str = "POINT"
     ) -> Socket:
-        """Geometry with one more named attribute on its points, or on another domain."""
+        """Geometry with a named attribute added on its points or another domain."""
         return self.out(
             "GeometryNodeStoreNamedAttribute",
             geometry,
@@ -139,9 +139,10 @@ class Builder:
         )
 
     def captured(self, geometry: Any, **fields: tuple[str, Any]) -> bpy.types.Node:
-        """Geometry with fields (socket type, value) on its points, evaluated in one go.
+        """Geometry with fields (socket type, value) captured on its points at once.
 
-        What two of them share is computed once; other nodes that take them do not compute it again.
+        Shared inputs are computed once, and nodes that use the captured fields do not compute them
+        again.
         """
         node = self.node("GeometryNodeCaptureAttribute", geometry, domain="POINT")
         for name, (kind, value) in fields.items():
@@ -152,8 +153,8 @@ class Builder:
     def each(
         self, domain: str, geometry: Any, number: Callable[["Builder", Socket, Socket], Socket]
     ) -> tuple[Socket, Socket]:
-        """Geometry, and a field with a number of each element, which is made of it and its index
-        alone.
+        """Geometry, and a field with a number for each element, computed from the element and its
+        index.
         """
         begin = self.node("GeometryNodeForeachGeometryElementInput")
         end = self.node("GeometryNodeForeachGeometryElementOutput", domain=domain)
@@ -169,7 +170,7 @@ class Builder:
     def arrange(self) -> None:
         """Lay the nodes out in columns by their distance from the group input."""
         before: dict[str, list[str]] = {}
-        for link in self.tree.links:  # read once: a socket's own links are searched among all
+        for link in self.tree.links:  # as socket.links searches all links
             before.setdefault(link.to_node.name, []).append(link.from_node.name)
         depths: dict[str, int] = {}
         columns: dict[int, int] = {}
@@ -183,7 +184,7 @@ class Builder:
 
 
 def _keep_quiet(node: bpy.types.Node) -> None:
-    """Have a zone not warn of a geometry without elements; before Blender 5 none does."""
+    """Suppress the zone's warning about geometry without elements, which Blender 5 introduced."""
     if hasattr(node, "warning_propagation"):
         node.warning_propagation = "NONE"
 
@@ -194,7 +195,7 @@ def _plain(value: Any) -> Any:
 
 
 def _depth(name: str, before: dict[str, list[str]], depths: dict[str, int]) -> int:
-    """Links on the longest path to a node."""
+    """Number of links on the longest path to a node."""
     if name not in depths:
         own = [_depth(other, before, depths) for other in before.get(name, [])]
         depths[name] = max(own, default=-1) + 1
@@ -220,31 +221,31 @@ def new_group(
 
 
 VERSION = 19
-VERSION_KEY = "dapple_version"  # -VERSION for groups inside others
+VERSION_KEY = "dapple_version"  # -VERSION for inner groups
 _PART_KEY = "dapple_part"
 
 
 def version_of(group: bpy.types.NodeTree | None) -> int:
-    """Of a group that plays a scatter; 0 of any other."""
+    """Version of a group that plays a scatter; 0 for other groups."""
     found = 0 if group is None else group.get(VERSION_KEY, 0)
     return found if isinstance(found, int) else 0
 
 
 @dataclass(frozen=True)
 class Group:
-    """A node group: its name in the file, and what builds it."""
+    """A node group: its name in the file, and the function that builds it."""
 
     name: str
     build: Callable[[], bpy.types.NodeTree]
 
 
 def inner(b: Builder, part: Group, *feeds: object) -> bpy.types.Node:
-    """A node with the group; feeds go to its inputs in their order."""
+    """A node with the group; `feeds` are connected to its inputs in their order."""
     return b.group(ensure(part), *feeds)
 
 
 def ensure(part: Group) -> bpy.types.NodeTree:
-    """The group as it is in the open file, built if there is none."""
+    """The group in the open file; built if necessary."""
     for group in bpy.data.node_groups:
         known = group.get(VERSION_KEY) == -VERSION and group.get(_PART_KEY) == part.name
         if known and group.library is None:

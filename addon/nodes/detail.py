@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node group: fewer points far from the camera and outside its view, evenly spread.
 
-Every beginning of the order `dapple_rank` is even. So the points of the first half of it are even
-where half is kept, those of the first tenth where a tenth is kept, and where the share changes from
-place to place the last ranks go first. Points without ranks stay wherever any are kept.
+The attribute `dapple_rank` orders points so that every beginning of the order is evenly spread. So
+any share of the points is even if the lowest ranks are kept, also where the share varies. Points
+without ranks stay wherever any are kept.
 """
 
 import re
@@ -23,7 +23,7 @@ DETAIL_INPUTS = [
     ("Detail Widen", "NodeSocketFloat"),
 ]
 _TINY = 1e-6
-# What the expressions call a property of the scene, and what it is where there is no camera.
+# Variables of the expressions: properties of the scene, and their values without a camera.
 _VARIABLES = {
     "kind": ("camera.data.type", -1.0),  # 0 perspective, 1 orthographic; others have no frame
     "angle": ("camera.data.angle", 1.0),
@@ -36,12 +36,12 @@ _VARIABLES = {
     "u": ("render.pixel_aspect_x", 1.0),
     "v": ("render.pixel_aspect_y", 1.0),
 }
-_HALF = "(size/2 if kind==1 else tan(angle/2))"  # at distance 1, of the side that the angle is of
+_HALF = "(size/2 if kind==1 else tan(angle/2))"  # half the frame at distance 1
 _SIDE = "(y*v if fit==2 else x*u if fit==1 else max(x*u,y*v))"
 
 
 def _build_detail() -> bpy.types.NodeTree:
-    """New group; Hidden is the share that the viewport hides anyway, as Dapple Viewport does."""
+    """New group; Hidden is the share that Dapple Viewport hides."""
     geometry = [("Points", "NodeSocketGeometry")]
     tree = new_group(
         DETAIL.name, [*geometry, *DETAIL_INPUTS, ("Hidden", "NodeSocketFloat")], geometry
@@ -63,7 +63,7 @@ DETAIL = Group("Dapple Level of Detail", _build_detail)
 
 
 def _left(b: Builder, size: Socket, near: Socket) -> Socket:
-    """Points that have a size, with the scale that it gives them."""
+    """Points with a size above 0, scaled by it."""
     sized = b.captured(b.input("Points"), Size=("FLOAT", size), Wider=("FLOAT", _wider(b, near)))
     size, wider = sized.outputs["Size"], sized.outputs["Wider"]
     gone = b.compare("LESS_EQUAL", size, 0.0, "FLOAT")
@@ -78,14 +78,14 @@ def _left(b: Builder, size: Socket, near: Socket) -> Socket:
 
 
 def _near(b: Builder, distance: Socket) -> Socket:
-    """Share that is kept at a distance: as many per area of the picture, if seen from above."""
+    """Share that is kept at a distance: constant points per area of the picture from above."""
     full = b.input("Detail Full Until")
     ratio = b.number("DIVIDE", full, b.number("MAXIMUM", distance, full))
     return b.number("MAXIMUM", b.number("MULTIPLY", ratio, ratio), b.input("Detail Minimum"))
 
 
 def _inside(b: Builder, outside: Socket) -> Socket:
-    """1 in the view, and the share that is kept outside."""
+    """1 in the view, and the share to keep outside."""
     kept = b.input("Detail Outside View")
     out = b.compare("GREATER_THAN", outside, b.input("Detail Margin"), "FLOAT")
     some = b.compare("LESS_THAN", kept, 1.0, "FLOAT")
@@ -93,14 +93,14 @@ def _inside(b: Builder, outside: Socket) -> Socket:
 
 
 def _rank(b: Builder, viewport: Socket) -> Socket:
-    """The place in the order among the points that Dapple Viewport leaves."""
+    """The rank among the points that Dapple Viewport leaves."""
     left = b.number("SUBTRACT", 1.0, b.input("Hidden"))
     of = b.switch("FLOAT", viewport, 1.0, b.number("MAXIMUM", left, _TINY))
     return b.number("DIVIDE", b.attribute("dapple_rank", "FLOAT"), of)
 
 
 def _size(b: Builder, share: Socket, rank: Socket) -> Socket:
-    """1 for ranks below the share, then falling to 0 within a part of it."""
+    """1 for ranks below the share, then falling to 0 within a fraction of it."""
     fade = b.number("MULTIPLY", share, b.input("Detail Fade"))
     over = b.number("SUBTRACT", b.number("ADD", share, fade), rank)
     size = b.number("DIVIDE", over, b.number("MAXIMUM", fade, _TINY))
@@ -108,9 +108,9 @@ def _size(b: Builder, share: Socket, rank: Socket) -> Socket:
 
 
 def _wider(b: Builder, near: Socket) -> Socket:
-    """Factor by which those that are kept at a distance are wider: at most to the same area.
+    """Factor of the width of distant instances, at most up to the same covered area.
 
-    They grow no taller: that would be seen against the sky.
+    They do not grow taller, which would be visible against the sky.
     """
     widen = b.input("Detail Widen")
     power = b.number("MULTIPLY", widen, -0.5)
@@ -119,10 +119,10 @@ def _wider(b: Builder, near: Socket) -> Socket:
 
 
 def _build_camera_view() -> bpy.types.NodeTree:
-    """New group: a point's Distance from the camera, and how far it is Outside of the view.
+    """New group: a point's Distance from the camera, and its distance Outside of the view.
 
-    Kind is below 0 where there is no camera. Within the view, and for cameras that have no frame,
-    Outside is at most 0. For an orthographic camera all points are equally near.
+    Kind is below 0 without a camera. Outside is at most 0 in the view and for cameras without a
+    frame. For an orthographic camera all points are equally near.
     """
     outputs = [(name, "NodeSocketFloat") for name in ("Distance", "Outside", "Kind")]
     tree = new_group(CAMERA_VIEW.name, [], outputs)
@@ -146,7 +146,7 @@ CAMERA_VIEW = Group("Dapple Camera View", _build_camera_view)
 
 
 def _seen(b: Builder) -> Socket:
-    """The point in the camera's axes, in lengths of the world, whatever the camera's scale."""
+    """The point in the camera's axes and in units of the world, whatever the camera's scale."""
     own, camera = (
         b.node("GeometryNodeObjectInfo", b.out(f"GeometryNode{kind}"), transform_space="ORIGINAL")
         for kind in ("SelfObject", "InputActiveCamera")
@@ -158,7 +158,7 @@ def _seen(b: Builder) -> Socket:
 
 
 def _past(b: Builder, axis: str, at: Socket, depth: Socket, flat: Socket) -> Socket:
-    """Distance to the frame's sides across an axis, below 0 between them."""
+    """Distance beyond the frame's sides along an axis; negative between them."""
     long = "x*u" if axis == "x" else "y*v"
     half = _driven(b, f"Half {axis.upper()}", f"{_HALF}*{long}/{_SIDE}")
     middle = _driven(b, f"Middle {axis.upper()}", f"-2*{_HALF}*shift_{axis}")
@@ -170,7 +170,7 @@ def _past(b: Builder, axis: str, at: Socket, depth: Socket, flat: Socket) -> Soc
 
 
 def _driven(b: Builder, name: str, expression: str) -> Socket:
-    """A number that follows the scene and its camera."""
+    """A number that is driven by the scene and its camera."""
     node = b.node("ShaderNodeValue", name=name, label=name)
     curve = b.tree.driver_add(f'nodes["{node.name}"].outputs[0].default_value')
     driver = curve.driver
@@ -186,7 +186,7 @@ def _driven(b: Builder, name: str, expression: str) -> Socket:
 
 
 def _build_viewport() -> bpy.types.NodeTree:
-    """New group: those with the largest `dapple_rank` go, an order with even beginnings."""
+    """New group: hides the points with the largest `dapple_rank`; the others are evenly spread."""
     tree = new_group(
         VIEWPORT.name,
         [("Points", "NodeSocketGeometry"), ("Hidden", "NodeSocketFloat")],

@@ -22,15 +22,15 @@ def has_input(modifier: bpy.types.NodesModifier, name: str) -> bool:
 def get_input(modifier: bpy.types.NodesModifier, name: str) -> Any:
     """Value of the input called name."""
     identifier = _identifier(modifier.node_group, name)
-    if hasattr(modifier, "properties"):  # Blender 5.2 gave the inputs a type of their own
+    if hasattr(modifier, "properties"):  # since Blender 5.2 inputs have their own type
         return getattr(modifier.properties.inputs, identifier).value
     return modifier.get(identifier)
 
 
 def set_input(modifier: bpy.types.NodesModifier, name: str, value: Any) -> None:
-    """Set the input called name; value has the socket's own type.
+    """Set the input with this name; the value has the socket's type.
 
-    A data-block is set only where it is another one: that has the whole scene's relations built.
+    A data-block is only set if it differs, as setting it rebuilds the relations of the whole scene.
     """
     block = value is None or isinstance(value, bpy.types.ID)
     if block and get_input(modifier, name) == value:
@@ -41,11 +41,11 @@ def set_input(modifier: bpy.types.NodesModifier, name: str, value: Any) -> None:
     else:
         modifier[identifier] = value
     if block:
-        modifier.node_group = modifier.node_group  # has the depsgraph ask for its relations anew
+        modifier.node_group = modifier.node_group  # makes the depsgraph rebuild its relations
 
 
 def inputs_of(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
-    """All that is stored of the inputs, by the names that Blender gives them."""
+    """All stored values of the inputs, by Blender's names."""
     if hasattr(modifier, "properties"):
         inputs = modifier.properties.inputs
         names = [
@@ -57,7 +57,7 @@ def inputs_of(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
 
 
 def restore_inputs(modifier: bpy.types.NodesModifier, values: dict[str, Any]) -> None:
-    """Store again what inputs_of has returned of the same node group."""
+    """Restore the values that inputs_of returned for the same node group."""
     now = inputs_of(modifier)
     changed = {name: value for name, value in values.items() if now.get(name) != value}
     for name, value in changed.items():

@@ -10,10 +10,10 @@ WIDTH = DIGITS * DIGIT  # letters for each instance
 
 
 def _build_instances() -> bpy.types.NodeTree:
-    """New group: random objects of the collection, or the object; a small cone without any.
+    """New group: random objects of the collection, or the object; a small cone without either.
 
-    Instances are on the points of a class, or on all if it is below 0, that are there. Points of
-    others, without `fade` or `scale`, are all there, with instances of their own size.
+    Instances are placed on the existing points of an object type, or on all if it is below 0.
+    Points of other origin, without `fade` or `scale`, all get instances of their own size.
     """
     tree = new_group(
         INSTANCES.name,
@@ -67,7 +67,7 @@ def _chosen(b: Builder) -> Socket:
 
 
 def _repeated(b: Builder, pool: Socket, count: Socket, some: Socket) -> Socket:
-    """Objects of a collection as often as their weights say, if these are those of as many."""
+    """Objects of a collection, repeated by their weights if there is a weight for each."""
     length = b.out("FunctionNodeStringLength", b.input("Weights"))
     fits = b.compare("EQUAL", length, b.integer("MULTIPLY", count, WIDTH))
     weighs = b.boolean("AND", some, fits)
@@ -76,13 +76,13 @@ def _repeated(b: Builder, pool: Socket, count: Socket, some: Socket) -> Socket:
 
 
 def _boxed(b: Builder, source: Socket) -> Socket:
-    """Each object that is instanced, or its box: as few boxes as objects."""
+    """Each instanced object, or its bounding box."""
     box = b.out("GeometryNodeBoundBox", source)
     return b.switch("GEOMETRY", b.input("Bounds"), source, box)
 
 
 def _scale(b: Builder, fits: Socket) -> Socket:
-    """Of a point; where instances are fitted, their radius is 1 and it is theirs."""
+    """Scale of a point; fitted instances have radius 1 and the scale of their clearance."""
     scale = b.attribute_or("scale", "FLOAT_VECTOR", "VECTOR", (1.0, 1.0, 1.0))
     clearance = b.attribute("dapple_clearance", "FLOAT")
     unknown = b.compare("LESS_EQUAL", clearance, 0.0, "FLOAT")
@@ -99,7 +99,7 @@ def _one(b: Builder) -> Socket:
 
 
 def _picked(b: Builder, count: Socket) -> Socket:
-    """Which object a point gets: by digits of its random scale that its size hides."""
+    """Index of the object for a point, from digits of its random scale that do not show."""
     own = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 1000.0))
     index = b.number("FLOOR", b.number("MULTIPLY", own, count))
     return b.number("MINIMUM", index, b.number("SUBTRACT", count, 1.0))
@@ -116,9 +116,9 @@ def _cone(b: Builder) -> Socket:
 
 
 def _build_fit_to_spacing() -> bpy.types.NodeTree:
-    """New group; Fit is the share of it, as an exponent: with 0.5 a radius of 4 becomes 2.
+    """New group; the strength is an exponent: with 0.5 a radius of 4 becomes 2.
 
-    What has no vertices keeps its size, as there is nothing to fit.
+    Instances without vertices keep their size.
     """
     geometry = [("Instances", "NodeSocketGeometry")]
     tree = new_group(
@@ -141,7 +141,7 @@ FIT_TO_SPACING = Group("Dapple Fit to Spacing", _build_fit_to_spacing)
 
 
 def _radius(b: Builder, element: Socket, _index: Socket) -> Socket:
-    """Of all that one instance has. Mesh to Points would take twice the time, for its UV map."""
+    """Radius of all that one instance contains. Mesh to Points would take twice the time."""
     points = b.out("GeometryNodeRealizeInstances", element)
     x, y, _ = b.parts(b.out("GeometryNodeInputPosition"))
     across = b.number("SQRT", b.number("MULTIPLY_ADD", x, x, b.number("MULTIPLY", y, y)))

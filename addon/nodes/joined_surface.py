@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node group of one joined surface: the meshes of several objects as one, in a fixed order.
 
-Objects are named one by one, not as a collection: what is scattered on them may then lie in that
-collection too, and their order does not change with names.
+Objects are listed one by one, not as a collection. So the scatter on them can be in the same
+collection, and their order does not depend on names.
 """
 
 from dataclasses import dataclass
@@ -11,24 +11,24 @@ import bpy
 
 from .builder import Builder, Group, Socket, inner, new_group
 
-KEY = "dapple_joined"  # of a node group that joins
+KEY = "dapple_joined"  # custom property of such a node group
 Offset = tuple[float, float, float]
 REST_INPUTS = [("Rest Scale", "NodeSocketFloat"), ("Rest Shift", "NodeSocketVector")]
 
 
 @dataclass(frozen=True)
 class Joined:
-    """An object whose mesh is joined, or one that instances a collection of others."""
+    """An object whose mesh is joined, or an object that instances a collection of others."""
 
-    object: bpy.types.Object | None  # None: it was deleted
-    inside: int  # index of what instances it; -1: it is in the scene
-    instances: bool  # whether it stands for the objects of a collection
+    object: bpy.types.Object | None  # None if it was deleted
+    inside: int  # index of the instancing object; -1 for an object of the scene
+    instances: bool  # whether it instances the objects of a collection
     rest_scale: float = 1.0
     rest_shift: Offset = (0.0, 0.0, 0.0)
 
 
 def build(name: str, joined: list[Joined]) -> bpy.types.NodeTree:
-    """New group; what instances an object comes before that."""
+    """New group; an instancing object comes before the objects that it instances."""
     tree = new_group(name, [], [("Geometry", "NodeSocketGeometry")])
     tree[KEY] = 1
     b = Builder(tree)
@@ -52,7 +52,7 @@ def _mesh(b: Builder, one: Joined, frame: Socket | None) -> Socket:
 
 
 def _frame(b: Builder, one: Joined, around: Socket | None) -> Socket:
-    """From the space of an instanced collection to that of the joined surface."""
+    """Transform from the space of an instanced collection to that of the joined surface."""
     space = "RELATIVE" if around is None else "ORIGINAL"
     info = b.node("GeometryNodeObjectInfo", one.object, transform_space=space)
     place = info.outputs["Transform"]
@@ -65,7 +65,7 @@ def _frame(b: Builder, one: Joined, around: Socket | None) -> Socket:
 
 
 def _in_order(b: Builder, meshes: list[Socket]) -> Socket:
-    """All of them as one; a socket that takes many joins the last link first."""
+    """All meshes as one; Join Geometry uses the last link first."""
     node = b.node("GeometryNodeJoinGeometry")
     for mesh in reversed(meshes):
         b.tree.links.new(mesh, node.inputs[0])
@@ -136,6 +136,6 @@ PLACED_PART = Group("Dapple Placed Part", _build_placed_part)
 
 
 def _rest(b: Builder, position: Socket) -> Socket:
-    """Where a vertex is at rest; one that has no rest position is taken for still."""
+    """Rest position of a vertex; its position if there is none."""
     own = b.attribute_or("rest_position", "FLOAT_VECTOR", "VECTOR", position)
     return b.vector("ADD", b.scaled(own, b.input("Rest Scale")), b.input("Rest Shift"))

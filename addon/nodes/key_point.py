@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: a key, or what is played in its place -> position and rotation on the surface.
+"""Node group: a keyframe, or the binding used instead -> position and rotation on the surface.
 
-Without a bake the points' own binding is played, and a live preview overrides both. Integers
-count keys and rows: floats run out of digits beyond 2^24 of them.
+Without a bake the points' own binding is used, and a live preview overrides both. Keyframes and
+rows are counted by integers, since floats are only exact up to 2^24.
 """
 
 from dataclasses import dataclass
@@ -19,23 +19,23 @@ _CORNERS = [f"dapple_{kind}{k}" for kind in "vc" for k in range(3)]
 
 @dataclass(frozen=True)
 class _Bound:
-    """Fields of one binding: three vertices and the face corners there, their weights, the angle
-    carried; is it there.
+    """Fields of one binding: three vertices and their face corners, weights, angle, fade,
+    clearance.
     """
 
-    corners: list[Socket]  # six
+    corners: list[Socket]  # six fields
     weights: list[Socket]
     carry: Socket
     faded: Socket  # 1 - fade
     clearance: Socket
-    face: Socket | None = None  # of the triangles that keys name
+    face: Socket | None = None  # index of the triangle, for keyframes
 
     def sockets(self) -> list[Socket]:
         return [*self.corners, *self.weights, self.carry, self.faded, self.clearance]
 
 
 def _build_key_point() -> bpy.types.NodeTree:
-    """New group; Points is their number, Turn an angle that is added to the one carried."""
+    """New group; Points is their number, Turn an angle added to the stored one."""
     tree = new_group(
         KEY_POINT.name,
         [
@@ -123,7 +123,7 @@ def _of_key(b: Builder) -> _Bound:
 
 
 def _at_rest(b: Builder, key: _Bound) -> bpy.types.Node:
-    """The same by places on the rest shape: the points' own, or those of the key's triangles."""
+    """The same by places on the rest shape, the points' own or those of the triangles."""
     triangles, baked = b.input("Triangles"), b.input("Baked")
 
     def of_face(name: str, kind: str) -> Socket:
@@ -136,21 +136,21 @@ def _at_rest(b: Builder, key: _Bound) -> bpy.types.Node:
     pairs = ((rest, place), (rest, corners[0]), (ahead, corners[1]))
     places = [b.switch("VECTOR", baked, own, other) for own, other in pairs]
     part = b.switch("INT", baked, b.attribute("dapple_part", "INT"), of_face("dapple_part", "INT"))
-    # What points ahead of a point itself is turned already.
+    # The place ahead of a point already includes the angle.
     turn = b.number("ADD", b.switch("FLOAT", baked, 0.0, key.carry), b.input("Turn"))
     feeds = (*places, part, b.input("Parts"), turn, 1.0)
     return inner(b, REST_PLACE, b.input("Shape"), b.input("Normals"), *feeds)
 
 
 def _row(b: Builder) -> Socket:
-    """Of the key, for each point."""
+    """Row of each point in the keyframe."""
     row = b.integer("MULTIPLY_ADD", b.input("Key"), b.input("Points"))
     b.tree.links.new(b.out("GeometryNodeInputIndex"), row.node.inputs[2])
     return row
 
 
 def _with_tilt(b: Builder, rotation: Socket) -> Socket:
-    """As the key says, in axes that are not turned yet; only in a bake where instances lean."""
+    """The rotation, tilted as stored, before its turn; only in bakes with tilts."""
     rows, tilt = b.input("Keys"), b.attribute("dapple_tilt", "FLOAT_VECTOR")
     stored = b.sample(rows, tilt.node.outputs["Exists"], 0, "BOOLEAN")
     played = b.boolean("AND", b.input("Baked"), b.boolean("NOT", b.input("Live")))
@@ -164,7 +164,7 @@ def _with_tilt(b: Builder, rotation: Socket) -> Socket:
 
 
 def _stored(b: Builder, rows: Socket, row: Socket, name: str, other: Any) -> Socket:
-    """What a key holds, the other in a bake that has it not: no point has to look then."""
+    """Values of a keyframe, or the default in a bake that does not store them."""
     value = b.attribute(name, "FLOAT")
     stored = b.sample(rows, value.node.outputs["Exists"], 0, "BOOLEAN")
     return b.switch("FLOAT", stored, other, b.sample(rows, value, row, "FLOAT"))
@@ -179,11 +179,11 @@ def _chosen(b: Builder, condition: Socket, false: _Bound, true: _Bound) -> _Boun
 
 
 def _build_frame_keys() -> bpy.types.NodeTree:
-    """New group; before the first and after the last frame, those hold.
+    """New group. Before the first and after the last frame, these frames are used.
 
-    Fraction is the share of the second key. Where the topology changes between two frames, the
-    surface has one of two numbers of vertices at a time between them: then that frame is played
-    whose number it is. Bound to the rest position, points are on any surface, and are mixed.
+    Fraction is the weight of the second keyframe. If the topology changes between two frames, the
+    surface has one of two numbers of vertices in between, and the frame with this number is used.
+    Points bound to the rest position work on any surface and are interpolated.
     """
     tree = new_group(
         FRAME_KEYS.name,
@@ -222,7 +222,7 @@ FRAME_KEYS = Group("Dapple Frame Keys", _build_frame_keys)
 
 
 def _frame(b: Builder) -> tuple[Socket, Socket]:
-    """Index of the frame that is played, and how far it is to the next, in [0, 1)."""
+    """Index of the current frame, and the fraction toward the next in [0, 1)."""
     time = b.node("GeometryNodeInputSceneTime").outputs["Frame"]
     time = b.number("SUBTRACT", time, b.input("First Frame"))
     time = b.number("MAXIMUM", time, 0.0)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: a normal, a direction and an angle -> the rotation of what stands there.
+"""Node group: a normal, a direction and an angle -> the rotation of an instance.
 
-Blender's own nodes for it (Axes to Rotation, Axis Angle to Rotation, Rotate Rotation) take twice
-the time: they normalize axes, write a matrix and read the rotation from it again. Here plain
-arithmetic gives a quaternion of any length, which the last node normalizes. Nothing branches: a
-Switch on a field waits for guesses that the processor got wrong.
+Blender's own nodes (Axes to Rotation, Axis Angle to Rotation, Rotate Rotation) take twice the time:
+they normalize axes, write a matrix and convert it to a rotation again. Here plain arithmetic gives
+a quaternion of any length, which the last node normalizes. There are no branches, because a Switch
+on a field suffers from mispredictions.
 """
 
 import bpy
@@ -13,11 +13,12 @@ from .builder import Builder, Group, Socket, new_group
 
 
 def _build_orientation() -> bpy.types.NodeTree:
-    """New group; Z is along the normal, X as near to Ahead as it gets, both turned by Turn about Z.
+    """New group; Z is along the normal, X as near to Ahead as possible, both turned by Turn about
+    Z.
 
-    Normal is a unit vector. The quaternion (1, 0, 0, t), t = tan(Turn / 2), is a turn about Z. It
-    comes first. Then a half turn about X comes if the normal points down, so that the shortest
-    rotation from there to the normal, which comes last, is never by more than a right angle.
+    Normal is a unit vector. The quaternion (1, 0, 0, t), t = tan(Turn / 2), is a turn about Z and
+    comes first. If the normal points down, a half turn about X follows, so that the shortest
+    rotation to the normal, which comes last, never exceeds a right angle.
     """
     tree = new_group(
         ORIENTATION.name,
@@ -56,7 +57,7 @@ def _outward(b: Builder) -> Socket:
 def _flat(
     b: Builder, normal: Socket, across: tuple[Socket, Socket], sign: Socket, height: Socket
 ) -> list[Socket]:
-    """Ahead as it is before the shortest rotation from (0, 0, sign) to the normal: its X and Y."""
+    """X and Y of Ahead before the shortest rotation from (0, 0, sign) to the normal."""
     ahead = b.input("Ahead")
     *flat, up = b.parts(ahead)
     dot = b.node("ShaderNodeVectorMath", normal, ahead, operation="DOT_PRODUCT").outputs["Value"]
@@ -68,7 +69,7 @@ def _flat(
 def _half(b: Builder, x: Socket, y: Socket) -> tuple[Socket, Socket]:
     """A complex number of half the angle of x + iy, (|x| + length, y) or (y, |x| + length).
 
-    Where there is no angle the first is small, not 0: then the rotation is that of the normal.
+    Without an angle the first is small but not 0, so that the rotation is that of the normal.
     """
     length = b.number("SQRT", b.number("MULTIPLY_ADD", x, x, b.number("MULTIPLY", y, y)))
     long = b.number("MAXIMUM", b.number("ADD", b.number("ABSOLUTE", x), length), 1e-18)
@@ -78,7 +79,7 @@ def _half(b: Builder, x: Socket, y: Socket) -> tuple[Socket, Socket]:
 def _product(
     b: Builder, a: tuple[Socket, Socket], c: tuple[float, Socket]
 ) -> tuple[Socket, Socket]:
-    """Of two complex numbers, the second one 1 + it."""
+    """Product of two complex numbers, the second being 1 + it."""
     real = b.number("SUBTRACT", a[0], b.number("MULTIPLY", a[1], c[1]))
     return real, b.number("MULTIPLY_ADD", a[0], c[1], a[1])
 
@@ -86,7 +87,7 @@ def _product(
 def _raised(
     b: Builder, turn: tuple[Socket, Socket], normal: tuple[Socket, Socket, Socket], down: Socket
 ) -> Socket:
-    """The shortest rotation (height, -y, x, 0) after a turn about Z, and after the half turn."""
+    """The shortest rotation (height, -y, x, 0) after a turn about Z and the half turn."""
     (real, other), (x, y, height) = turn, normal
     w, k = b.number("MULTIPLY", height, real), b.number("MULTIPLY", height, other)
     i = b.number("SUBTRACT", b.number("MULTIPLY", x, other), b.number("MULTIPLY", y, real))
@@ -97,6 +98,6 @@ def _raised(
 
 
 def _swapped(b: Builder, swap: Socket, a: Socket, c: Socket) -> tuple[Socket, Socket]:
-    """Two numbers, exchanged where swap is 1, not 0."""
+    """Two numbers, exchanged where swap is 1."""
     change = b.number("MULTIPLY", swap, b.number("SUBTRACT", c, a))
     return b.number("ADD", a, change), b.number("SUBTRACT", c, change)

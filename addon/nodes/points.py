@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: stored points -> the same on the surface of the current (sub-)frame."""
+"""Node group: stored points -> points on the surface of the current (sub-)frame."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -44,14 +44,14 @@ NUMBERS = (
 def _build_points() -> bpy.types.NodeTree:
     """New group; NUMBERS are fields. The points get `rotation`, `fade` and `scale`.
 
-    There are no points, but a warning, when what is stored does not fit the surface.
+    If the stored data do not fit the surface, there are no points but a warning.
     """
     numbers = [(name, "NodeSocketFloat") for name in NUMBERS]
     tree = new_group(POINTS.name, POINT_INPUTS + numbers, [("Geometry", "NodeSocketGeometry")])
     b = Builder(tree)
     found = inner(b, SURFACE, b.input("Surface"))
     played = _played(b, found.outputs["Geometry"], _shape(b, found))
-    # What stands on the surface is turned once, by its own angle and the key's together.
+    # Aligned instances are turned once, by their own angle plus that of the keyframe.
     turn = b.attribute("dapple_turn", "FLOAT")
     turn = b.number("MULTIPLY", turn, b.input("Random Turn"))
     aligned = b.compare("EQUAL", b.input("Align to Normal"), 1.0, "FLOAT")
@@ -74,22 +74,22 @@ POINTS = Group("Dapple Points", _build_points)
 
 @dataclass(frozen=True)
 class _Played:
-    """What is played at the moment, and whether it fits."""
+    """The data used at the moment, and whether they fit."""
 
     keys: Socket
     triangles: Socket
     preview: Socket
-    count: Socket  # of points
+    count: Socket  # number of points
     baked: Socket
     live: Socket
-    resting: Socket  # whether points are found on the rest shape
+    resting: Socket  # whether points are bound to the rest shape
     shape: Socket
     scene_info: bpy.types.Node
     fits: Socket
 
 
 def _shape(b: Builder, found: bpy.types.Node) -> Socket:
-    """The rest shape of the surface; places in its own space where it has no rest position."""
+    """The rest shape of the surface; its own shape if it has no rest position."""
     feeds = (found.outputs["Unmoved"], found.outputs["Transform"])
     return inner(b, REST_SHAPE, *feeds).outputs["Shape"]
 
@@ -118,7 +118,7 @@ def _stored(b: Builder, name: str) -> Socket:
 
 
 def _live(b: Builder, rows: Socket, count: Socket) -> Socket:
-    """Whether to show a live preview: in no render."""
+    """Whether to show a live preview, never in renders."""
     number = b.count(rows)
     fits = b.compare("EQUAL", number, count)
     some = b.compare("GREATER_THAN", number, 0)
@@ -126,9 +126,9 @@ def _live(b: Builder, rows: Socket, count: Socket) -> Socket:
 
 
 def _placed(b: Builder, found: bpy.types.Node, played: _Played, turn: Socket) -> list[Socket]:
-    """Position, rotation, gone and room, on the surface as it was found.
+    """Position, rotation, fade and clearance on the surface.
 
-    On whole frames of keys, and without any, the second key is not looked at.
+    The second keyframe is not evaluated on whole keyframes or without a bake.
     """
     stored = (played.keys, played.triangles, played.preview, played.count)
     now = played.scene_info.outputs
@@ -153,7 +153,7 @@ def _placed(b: Builder, found: bpy.types.Node, played: _Played, turn: Socket) ->
 def _moved(
     b: Builder, found: bpy.types.Node, played: _Played, position: Socket, rotation: Socket
 ) -> tuple[Socket, Socket]:
-    """Both where the surface is; on the rest shape they are there."""
+    """Position and rotation moved with the surface, unless they come from the rest shape."""
     moves = b.boolean("AND", found.outputs["Moved"], b.boolean("NOT", played.resting))
     there = b.out("FunctionNodeTransformPoint", position, found.outputs["Transform"])
     feeds = (rotation, found.outputs["Rotation"])
@@ -162,7 +162,7 @@ def _moved(
 
 
 def _lifted(b: Builder, position: Socket, rotation: Socket) -> Socket:
-    """Off the surface along its normal."""
+    """The position, offset from the surface along its normal."""
     offset = b.input("Offset")
     normal = b.out("FunctionNodeRotateVector", (0.0, 0.0, 1.0), rotation)
     none = b.compare("EQUAL", offset, 0.0, "FLOAT")
@@ -171,7 +171,7 @@ def _lifted(b: Builder, position: Socket, rotation: Socket) -> Socket:
 
 
 def _with_attributes(b: Builder, position: Socket, rotation: Socket, faded: Socket) -> Socket:
-    """The points there, with their attributes."""
+    """The existing points with their attributes."""
     placed = b.captured(
         b.input("Geometry"), Position=("VECTOR", position), Rotation=("ROTATION", rotation)
     )
@@ -182,7 +182,7 @@ def _with_attributes(b: Builder, position: Socket, rotation: Socket, faded: Sock
 
 
 def _with_clearance(b: Builder, points: Socket, played: _Played, clearance: Socket) -> Socket:
-    """With the room that a bake's keys hold, where they do; else the points have their own."""
+    """The points with the clearance of the keyframes, if stored; otherwise with their own."""
     exists = b.attribute("dapple_clearance", "FLOAT").node.outputs["Exists"]
     stored = b.boolean("AND", played.baked, b.sample(played.keys, exists, 0, "BOOLEAN"))
     return b.switch(
@@ -191,7 +191,7 @@ def _with_clearance(b: Builder, points: Socket, played: _Played, clearance: Sock
 
 
 def _size(b: Builder) -> Socket:
-    """Scale * fade * a random factor, less where the density is less, on each axis.
+    """Scale * fade * a random factor, reduced by the density, on each axis.
 
     The factor falls from 1 + growth to 1 - randomness with the point's own random number.
     """
@@ -209,7 +209,7 @@ def _size(b: Builder) -> Socket:
 
 
 def _build_alignment() -> bpy.types.NodeTree:
-    """New group; where Align is 1, Rotation is turned already."""
+    """New group; if Aligned is set, Rotation already includes the turn."""
     tree = new_group(
         ALIGNMENT.name,
         [
@@ -234,7 +234,7 @@ ALIGNMENT = Group("Dapple Alignment", _build_alignment)
 
 
 def _upright(b: Builder, rotation: Socket) -> Socket:
-    """From upright to the normal as Align says, then turned about itself."""
+    """The rotation between world Z and the normal by Align to Normal, then turned about its Z."""
     less = b.number("SUBTRACT", 1.0, b.input("Align to Normal"))
     up = (0.0, 0.0, 1.0)
     rotation = b.out("FunctionNodeAlignRotationToVector", rotation, less, up, axis="Z")
@@ -242,7 +242,7 @@ def _upright(b: Builder, rotation: Socket) -> Socket:
 
 
 def _tilted(b: Builder, rotation: Socket) -> Socket:
-    """Leaning in a random direction, chosen by digits that the turn does not use."""
+    """The rotation, tilted in a random direction by digits that the turn does not use."""
     angle = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), 1000.0)
     axis = b.out("ShaderNodeCombineXYZ", b.number("COSINE", angle), b.number("SINE", angle))
     chance = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 37.0))
@@ -254,7 +254,7 @@ def _tilted(b: Builder, rotation: Socket) -> Socket:
 def _build_check() -> bpy.types.NodeTree:
     """New group; Warning is the add-on's own warning, which hides nothing.
 
-    On a surface without faces there is no point; in a bake that is no reason to warn.
+    On a surface without faces there are no points; in a bake this is no reason for a warning.
     """
     tree = new_group(
         CHECK.name,
@@ -300,7 +300,7 @@ CHECK = Group("Dapple Check", _build_check)
 
 
 def _differs(b: Builder, number: Socket, requested: Socket) -> Socket:
-    """Whether there is another number than is asked for; 0 asks for none."""
+    """Whether a number differs from the required one; 0 allows any."""
     limited = b.compare("NOT_EQUAL", requested, 0)
     return b.boolean("AND", limited, b.compare("NOT_EQUAL", number, requested))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node groups: a place of the rest shape -> position and rotation."""
+"""Node groups: a place on the rest shape -> position and rotation."""
 
 import bpy
 
@@ -11,11 +11,10 @@ PLACE = "dapple_place"
 
 
 def _build_rest_place() -> bpy.types.NodeTree:
-    """New group; X points from Start to Ahead, two places near Rest on the rest shape. Normals is
-    applied to the normals that are found there.
+    """New group; X points from Start to Ahead, two places near Rest on the rest shape.
 
-    Faces are divided into so many Parts, equal runs in their order; a place is looked for in its
-    own part (core/surface/rest.py).
+    Normals is applied to the normals found there. Faces are divided into Parts, equal ranges in
+    their order; a place is searched in its own part (core/surface/rest.py).
     """
     tree = new_group(
         REST_PLACE.name,
@@ -51,9 +50,9 @@ def _found(b: Builder, name: str, where: str) -> Socket:
 
 
 def _part(b: Builder) -> Socket:
-    """Of each face, by the share of the corners before its own, which Subdivision keeps.
+    """Part of each face, by the share of the corners before its own, which Subdivision keeps.
 
-    Without parts one number: then the search is prepared once for all that look here.
+    Without parts it is a constant, so that the search structure is built once.
     """
     corner = b.node("GeometryNodeCornersOfFace").outputs["Corner Index"]
     total = b.node("GeometryNodeAttributeDomainSize", b.input("Shape"), component="MESH")
@@ -91,8 +90,9 @@ REST_POINT = Group("Dapple Rest Point", _build_rest_point)
 
 
 def _build_rest_shape() -> bpy.types.NodeTree:
-    """New group; Transform brings what is in the surface's own space to its place. A surface
-    without rest positions is found by its positions in its own space.
+    """New group; Transform moves the surface's own space to its place.
+
+    Without rest positions a surface is searched by its positions in its own space.
     """
     tree = new_group(
         REST_SHAPE.name,
@@ -113,7 +113,7 @@ REST_SHAPE = Group("Dapple Rest Shape", _build_rest_shape)
 
 
 def _with_normals(b: Builder) -> Socket:
-    """The surface with its normals, where it is not smooth everywhere those of the face corners."""
+    """The surface with its normals; those of the face corners unless it is smooth everywhere."""
     surface = b.input("Surface")
     hard, shaded = inner(b, SHADING, surface).outputs
     normal = b.out("GeometryNodeInputNormal")

@@ -9,11 +9,9 @@ from .instances import INSTANCES
 from .points import NUMBERS, POINT_INPUTS, POINTS
 
 GROUP_NAME = "Dapple Scatter"
-_KINDS_KEY = (
-    "dapple_object_types"  # that a group has inputs for; 0: one kind, inputs without a number
-)
-_INSTANCES, _BOUNDS, _POINTS = range(3)  # what the input Display asks for
-_DOT = 0.15  # radius of a point that is shown, in spacings
+_KINDS_KEY = "dapple_object_types"  # number of object types of a group; 0: inputs without a number
+_INSTANCES, _BOUNDS, _POINTS = range(3)  # values of the input Display
+_DOT = 0.15  # radius of a displayed point, in spacings
 
 INPUTS = [
     *POINT_INPUTS,
@@ -27,14 +25,14 @@ INSTANCE_INPUTS = [
     *((name, "NodeSocketFloat") for name in NUMBERS),
     ("Fit to Spacing", "NodeSocketFloat"),
 ]
-KIND_INPUTS = [*INSTANCE_INPUTS, ("Weights", "NodeSocketString")]  # which no setting holds
+KIND_INPUTS = [*INSTANCE_INPUTS, ("Weights", "NodeSocketString")]  # which is not a setting
 
 
 def ensure_group(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree:
-    """The group of this version for so many classes in the open file, built if there is none.
+    """The current group for a number of object types in the open file; built if necessary.
 
-    Detailed, it has the level of detail. One that has not does not depend on the camera: it need
-    not be evaluated whenever that moves.
+    `detailed` adds the level of detail. Without it the group does not depend on the camera, so it
+    is not evaluated whenever the camera moves.
     """
     for group in bpy.data.node_groups:
         if is_current(group, classes, detailed) and group.library is None:
@@ -43,7 +41,7 @@ def ensure_group(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree
 
 
 def is_current(group: bpy.types.NodeTree | None, classes: int, detailed: bool = False) -> bool:
-    """Whether a group is of this version and for so many classes."""
+    """Whether a group has the current version and this number of object types."""
     if group is None or version_of(group) != VERSION or group.get(_KINDS_KEY, 0) != classes:
         return False
     sockets = {
@@ -55,7 +53,7 @@ def is_current(group: bpy.types.NodeTree | None, classes: int, detailed: bool = 
 
 
 def input_name(name: str, kind: int | None) -> str:
-    """What one of INSTANCE_INPUTS is called for a class; None: where there is one kind only."""
+    """The name of one of INSTANCE_INPUTS for an object type; None if there is only one."""
     return name if kind is None else f"{name} {kind + 1}"
 
 
@@ -91,7 +89,7 @@ def build(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree:
 
 
 def _displayed(b: Builder, shown: Socket, kinds: list[int | None]) -> Socket:
-    """Points in a viewport that is to show them, else instances."""
+    """Points, bounds or instances, depending on Display in the viewport."""
     requested = b.switch("INT", b.out("GeometryNodeIsViewport"), _INSTANCES, b.input("Display"))
     boxes = b.compare("EQUAL", requested, _BOUNDS)
     made = _instances(b, shown, kinds, boxes)
@@ -102,7 +100,7 @@ def _displayed(b: Builder, shown: Socket, kinds: list[int | None]) -> Socket:
 
 
 def _numbers(b: Builder, kinds: list[int | None]) -> list[Socket]:
-    """Those among INSTANCE_INPUTS that belong to a point's class."""
+    """The INSTANCE_INPUTS of a point's own object type."""
     first, *others = ([b.input(input_name(name, k)) for name in NUMBERS] for k in kinds)
     numbers = first
     for k, own in enumerate(others, 1):
@@ -112,12 +110,12 @@ def _numbers(b: Builder, kinds: list[int | None]) -> list[Socket]:
 
 
 def _instances(b: Builder, placed: Socket, kinds: list[int | None], boxes: Socket) -> Socket:
-    """What is chosen for each class on its points, or its boxes."""
+    """The instances or bounds of each object type on its points."""
     made = [_instanced(b, placed, kind, boxes) for kind in kinds]
     if len(made) == 1:
         return made[0]
     joined = b.node("GeometryNodeJoinGeometry")
-    for one in reversed(made):  # the last that is linked comes first
+    for one in reversed(made):  # the last link comes first
         b.tree.links.new(one, joined.inputs[0])
     return joined.outputs[0]
 
@@ -130,7 +128,7 @@ def _instanced(b: Builder, placed: Socket, kind: int | None, boxes: Socket) -> S
 
 
 def _build_of_class() -> bpy.types.NodeTree:
-    """New group; for each of NUMBERS the field so far, the first class's and this one's."""
+    """New group; for each of NUMBERS: the field so far, the first object type's and this one's."""
     sockets = (f"{name}{which}" for name in NUMBERS for which in (" So Far", " First", ""))
     inputs = [("Object Type", "NodeSocketInt"), *((name, "NodeSocketFloat") for name in sockets)]
     tree = new_group(OF_CLASS.name, inputs, [(name, "NodeSocketFloat") for name in NUMBERS])

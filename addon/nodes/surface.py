@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: the surface's object -> its geometry, and what still has to be done to points on it.
+"""Node group: the surface object -> its geometry and the transform still to be applied to points.
 
-A surface that Blender brings into the space of the scatter is a copy, which takes time in each
-frame. So points are placed on the surface in its own space and moved with it. Where it is sheared,
-mirrored or scaled by more than one factor, they are placed on a copy. Normals always come from the
-surface in its own space, as those do that it is shaded with: a copy has others.
+A surface transformed into the space of the scatter is a copy, which takes time in each frame. So
+points are placed on the surface in its own space and then moved. If it is sheared, mirrored or
+scaled by different factors, they are placed on a transformed copy. Normals always come from the
+surface in its own space, like those of its shading: a copy has different ones.
 """
 
 import functools
@@ -14,16 +14,16 @@ import bpy
 from .builder import Builder, Group, Socket, new_group
 
 _UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-_EPSILON = 1e-5  # of squared lengths and of dot products, relative
+_EPSILON = 1e-5  # relative tolerance of squared lengths and dot products
 NORMAL = "dapple_normal"
-_MOST = 0.9  # of a coordinate: at the corner of a smooth cube it is 0.58, on its faces 1
+_MOST = 0.9  # threshold of a coordinate: 0.58 at the corner of a smooth cube, 1 on its faces
 
 
 def _build_surface() -> bpy.types.NodeTree:
-    """New group; Moved is whether points on Geometry have yet to be moved by Transform.
+    """New group; Moved is whether points on Geometry still have to be moved by Transform.
 
-    Unmoved is the surface in its own space; Sheared is whether Geometry is a copy. Normals turns
-    normals as Transform turns the surface, but for their lengths.
+    Unmoved is the surface in its own space; Sheared is whether Geometry is a copy. Normals
+    transforms normals as Transform transforms the surface, except for their lengths.
     """
     tree = new_group(
         SURFACE.name,
@@ -62,7 +62,7 @@ SURFACE = Group("Dapple Surface", _build_surface)
 
 
 def _cofactors(b: Builder, axes: list[Socket], mirrored: Socket) -> Socket:
-    """What turns normals, on a flattened surface too; a mirrored surface still faces outward."""
+    """The matrix for normals, also of a flattened surface; mirrored surfaces still face outward."""
     x, y, z = axes
     sign = b.switch("FLOAT", mirrored, 1.0, -1.0)
     columns = [b.vector("CROSS_PRODUCT", *pair) for pair in ((y, z), (z, x), (x, y))]
@@ -75,7 +75,7 @@ def _dot(b: Builder, u: Socket, v: Socket) -> Socket:
 
 
 def _are_alike(b: Builder, axes: list[Socket]) -> Socket:
-    """Whether axes are at right angles and of one length."""
+    """Whether axes are perpendicular and of equal length."""
     x, y, z = axes
     size = _dot(b, x, x)
     off = [b.number("SUBTRACT", _dot(b, axis, axis), size) for axis in (y, z)]
@@ -87,7 +87,7 @@ def _are_alike(b: Builder, axes: list[Socket]) -> Socket:
 
 
 def _differ(b: Builder, axes: list[Socket], location: Socket) -> Socket:
-    """Whether axes and location are not those of the scatter."""
+    """Whether axes and location differ from those of the scatter."""
     changes = [b.vector("SUBTRACT", *pair) for pair in zip(axes, _UNITS, strict=True)]
     squares = [_dot(b, one, one) for one in (*changes, location)]
     total = functools.reduce(lambda a, c: b.number("ADD", a, c), squares)
@@ -95,8 +95,8 @@ def _differ(b: Builder, axes: list[Socket], location: Socket) -> Socket:
 
 
 def _build_shading() -> bpy.types.NodeTree:
-    """New group; Hard is whether corners differ. The normals of a smooth surface are those of its
-    vertices; Shaded then only takes longer.
+    """New group; Hard is whether corner normals differ. A smooth surface uses vertex normals, as
+    Shaded would only take longer.
     """
     tree = new_group(
         SHADING.name,
@@ -121,7 +121,7 @@ SHADING = Group("Dapple Shading", _build_shading)
 
 
 def _of_corners(b: Builder) -> Socket:
-    """The field of the corners' normals, where Blender knows them."""
+    """The field of the corners' normals, if Blender provides it."""
     node = b.node("GeometryNodeInputNormal")
     if hasattr(node, "legacy_corner_normals"):
         node.legacy_corner_normals = False
@@ -129,7 +129,7 @@ def _of_corners(b: Builder) -> Socket:
 
 
 def _any(b: Builder, value: Socket, domain: str) -> Socket:
-    """Whether an attribute is set somewhere; most surfaces do not even have it."""
+    """Whether an attribute is set anywhere; most surfaces do not have it."""
     surface = b.input("Surface")
     there = b.sample(surface, value.node.outputs["Exists"], 0, "BOOLEAN")
     statistic = b.node("GeometryNodeAttributeStatistic", surface, True, value, domain=domain)
@@ -138,7 +138,7 @@ def _any(b: Builder, value: Socket, domain: str) -> Socket:
 
 
 def _knows_corners(b: Builder) -> Socket:
-    """Whether the normal at the corner of a smooth cube is not that of a face."""
+    """Whether the normal at the corner of a smooth cube differs from that of a face."""
     cube = b.out("GeometryNodeSetShadeSmooth", b.out("GeometryNodeMeshCube"), True, True)
     normal = b.sample(cube, _of_corners(b), 0, "FLOAT_VECTOR", "CORNER")
     x, y, z = (b.number("ABSOLUTE", part) for part in b.parts(normal))

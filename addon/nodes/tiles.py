@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: tiles as they were made -> the same on the surface of the current (sub-)frame."""
+"""Node group: stored tiles -> tiles on the surface of the current (sub-)frame."""
 
 import bpy
 
@@ -7,13 +7,14 @@ from .bound_place import BOUND_POINT
 from .builder import Builder, Group, Socket, inner, new_group
 from .rest_place import REST_POINT
 
-OFFSET = "dapple_offset"  # of a vertex from its place, in the axes there
+OFFSET = "dapple_offset"  # offset of a vertex from its place, in the local axes
 _CORNERS = [f"dapple_{kind}{k}" for kind in "vc" for k in range(3)]
 
 
 def _build_tiles() -> bpy.types.NodeTree:
-    """New group. Each vertex has a place on the surface, as points have (core/surface), and an
-    offset from it. Tiles stay as they are where the surface has other vertices than they know.
+    """New group. Each vertex has a place on the surface, like a point, and an offset from it.
+
+    Tiles do not move if the number of the surface's vertices has changed.
     """
     tree = new_group(
         TILES.name,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What sockets of the node groups say of themselves, and their values where nothing is set."""
+"""Tooltips of the node groups' sockets, and default values."""
 
-_OF_CLASSES = "0123456789 "  # at the end of a name: "Scale 2" is described as "Scale" is
+_OF_CLASSES = "0123456789 "  # stripped from the end of a name: "Scale 2" is described like "Scale"
 
 DEFAULTS = {
     "Align to Normal": 1.0,
@@ -105,17 +105,17 @@ OUTPUTS = {
 
 
 def default(name: str) -> float | None:
-    """Value of an input where nothing is set; None: Blender's own."""
+    """Default value of an input; None: Blender's own."""
     return DEFAULTS.get(name.rstrip(_OF_CLASSES))
 
 
 def of_input(name: str) -> str:
-    """Tooltip of a group's input; empty inside of other groups, where nobody looks."""
+    """Tooltip of a group's input; empty for inner groups."""
     return INPUTS.get(name) or INPUTS.get(name.rstrip(_OF_CLASSES), "")
 
 
 def is_machine_text(name: str) -> bool:
-    """Whether an input is nothing that a person reads or writes."""
+    """Whether an input holds data that no person reads or writes."""
     return name.rstrip(_OF_CLASSES) == "Weights"
 
 

@@ -164,7 +164,7 @@ def _write_entries(
     rests: dict[Piece, Rest],
 ) -> None:
     joined.entries.clear()
-    known: dict[tuple[bpy.types.Object, ...], int] = {(): -1}  # entries that instance, by path
+    known: dict[tuple[bpy.types.Object, ...], int] = {(): -1}  # instancing entries
     for piece in pieces:
         for depth in range(1, len(piece.path) + 1):
             path = piece.path[:depth]

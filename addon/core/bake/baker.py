@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake: points carried through the frames of a deforming surface, as keys.
+"""Bake: points carried through the frames of a deforming surface, stored as keyframes.
 
-Frames that an earlier, stopped bake has solved from the same input are taken from its files, and
-the tracker is put at the last of them before the next one is solved: the same bytes as a bake
+Frames that a stopped bake has solved from the same input are read from its files. The tracker is
+set to the last of them before the next frame is solved, so the result has the same bytes as a bake
 without a stop.
 """
 
@@ -27,7 +27,7 @@ from .tilt import TiltTracker
 
 @dataclass(frozen=True)
 class Start:
-    """What a bake begins with: a bound scatter."""
+    """The bound scatter that a bake starts from."""
 
     binding: Binding
     ids: Ints
@@ -37,28 +37,28 @@ class Start:
 
 @dataclass
 class Baker:
-    """Solves one frame after another: enter it, take it or advance, until all are done.
+    """Solves one frame after another: call enter(), then take() or advance(), until all are done.
 
-    Where changes() says so, cross() comes before enter().
+    If changes() returns True, call cross() before enter().
     """
 
-    remedy = REATTACH  # where the topology changes and must not
-    at_seam = True  # bind anew just when the topology changes, between two frames
-    is_empty = False  # whether the last frame had no faces, so that there are no points to go on
+    remedy = REATTACH  # advice in the error about a changed topology
+    at_seam = True  # bind again at the moment when the topology changes, between two frames
+    is_empty = False  # whether the last frame had no faces and therefore no points
 
-    bound: SurfaceArrays  # where the current topology begins
+    bound: SurfaceArrays  # first frame of the current topology
     start: Start
     keyframes: Keyframes
     sidecar: Sidecar | None = None
     first: int = 1  # number of the first frame
-    reattach: bool = False  # where the topology changes: bind to the nearest places, or refuse
-    follows: bool = False  # whether the density is that of each frame, which is read with it
-    fits: bool = False  # whether instances are fitted to the room of their points, on each key
+    reattach: bool = False  # whether to bind again at a new topology; else an error
+    follows: bool = False  # whether the density is evaluated in each frame
+    fits: bool = False  # whether keyframes store the clearance of the points
     reports: list[Report] = field(default_factory=list)
-    taken: int = 0  # frames that came from the sidecar
-    trouble: str = ""  # why frames are not kept
-    fingerprint: str = ""  # of all frames so far
-    reoptimized_reason: str = ""  # why the points were optimized anew first
+    taken: int = 0  # frames read from the sidecar
+    trouble: str = ""  # why frames cannot be stored in the sidecar
+    fingerprint: str = ""  # fingerprint of all frames so far
+    reoptimized_reason: str = ""  # why the points were optimized again first
 
     def __post_init__(self) -> None:
         start = self.start
@@ -81,25 +81,25 @@ class Baker:
 
     @property
     def done(self) -> int:
-        """Frames that are solved, or held back until others come."""
+        """Number of frames that are solved or held back until more frames follow."""
         return len(self.reports)
 
     @property
     def share(self) -> tuple[float, float]:
-        """How much of the bake is done before and after the next frame, in [0, 1]."""
+        """Progress of the bake before and after the next frame, in [0, 1]."""
         return self.done / self.keyframes.count, (self.done + 1) / self.keyframes.count
 
     def changes(self, frame: SurfaceArrays) -> bool:
-        """Whether the next frame has another topology; ScatterError if it may not."""
+        """Whether the next frame has a different topology; ScatterError if that is not allowed."""
         if not self.reattach:
             check_same_topology(self.bound, frame, f"frame {self.first + self.done}", self.remedy)
         return frame.topology != self.bound.topology
 
     def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
-        """Bind to the places of a new topology that are nearest, or the same on the rest shape.
+        """Bind to a new topology: to the nearest places, or to the same places of the rest shape.
 
-        Both are the surface just before and after it came; of two frames where that is not asked
-        for, and with a rest shape of any moments.
+        Both arguments are the surface, just before and just after the change. They are whole frames
+        if at_seam is off, and any moments if there is a rest shape.
         """
         before = replace(before, faces=self.bound.faces, loops=self.bound.loops)
         last, tilts, self.tilts = self.last, self.tilts, TiltTracker()
@@ -122,18 +122,18 @@ class Baker:
         self.topologies.append(after.topology)
 
     def _note_bound(self, bound: SurfaceArrays) -> None:
-        """Frames are solved from where a topology begins, and from its values."""
+        """Add a new topology to the fingerprint."""
         self._chain.add(bound)
         for array in (*bound.weights.values(), *bound.around.arrays()):
             self._chain.note_array(array)
 
     @property
     def now(self) -> SurfaceArrays:
-        """The surface of the last frame that was entered."""
+        """The surface of the frame that was entered last."""
         return self._now
 
     def enter(self, frame: SurfaceArrays) -> None:
-        """The surface of the next frame."""
+        """Enter the next frame."""
         check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
         self._now = frame
         self.fingerprint = self._chain.add(frame)
@@ -147,14 +147,14 @@ class Baker:
                 self.fingerprint = self._chain.now()
 
     def vanish(self, frame: SurfaceArrays) -> None:
-        """The next frame, which has no faces: only population.py can go on behind it."""
+        """Enter a frame without faces. Only PopulationBaker can continue after it."""
         raise ScatterError(f"Surface '{frame.name}' has no faces at frame {frame.time:g}")
 
     def appear(self, bound: SurfaceArrays) -> None:
-        """Faces come back behind frames without any."""
+        """Continue when faces come back after frames without any."""
 
     def take(self) -> bool:
-        """Whether the frame was solved before; then it is done."""
+        """Read the frame from the sidecar; returns False if it has to be solved."""
         if self.sidecar is None:
             return False
         number, points = self.first + self.done, len(self.start.ids)
@@ -170,17 +170,18 @@ class Baker:
         with named(self.bound.name):
             tracker, masked = self._ready_tracker()
             samples = tracker.advance(masked.vertices(self._now.vertices), context=context)
-        # What is stored leads back to cut faces but for rounding: the tracker is put there too.
+        # Stored samples differ from the solved ones by rounding, so the tracker continues from
+        # them.
         self._tracked = -1 if masked.is_cut else self.done + 1
         solved = self._solved_of(masked.to_original(samples), tracker.settled)
         self._keep(solved, self.first + self.done, self.fingerprint)
         self._add(solved)
 
     def finish(self, context: Any) -> None:
-        """Solve frames that are still held back, as nothing of the topology follows."""
+        """Solve the frames that are still held back at the end of a topology."""
 
     def report(self) -> Report:
-        """The worst spacing, variation and overlap of all frames, the mean cost of one."""
+        """The worst spacing, variation and overlap of all frames, and the mean cost of a frame."""
         every = self.reports
         worst = max(range(len(every)), key=lambda frame: every[frame].worst_overlap)
         found = every[worst].of_ids(self.start.ids)
@@ -205,11 +206,11 @@ class Baker:
         )
 
     def baked(self) -> Baked:
-        """The keys of all frames."""
+        """The keyframes of all frames."""
         return self.keyframes.packed()
 
     def _ready_tracker(self) -> tuple[Any, Any]:
-        """The tracker, at the last frame that is done, and the ground that it stands on."""
+        """The tracker at the last frame that is done, and its surface."""
         if self.tracker is None:
             self.tracker = self._new_tracker()
         masked = self.masked_surfaces.now
@@ -224,11 +225,11 @@ class Baker:
 
     @property
     def _topology_begins(self) -> bool:
-        """Whether the next frame is the first of other faces than the bake has begun with."""
+        """Whether the next frame is the first one after a change of the faces."""
         return self.done == self._begun and self.bound is not self.first_surface
 
     def _new_tracker(self) -> Any:
-        """At the start of the bake: every frame is to be as even as that."""
+        """A tracker at the start of the bake, which defines the evenness of all frames."""
         start = self.start
         masked = self.masked_surfaces.of(self.first_surface, self.first_surface)
         samples = samples_of(self.begin, masked.original, start.ids, start.classes)
@@ -236,19 +237,19 @@ class Baker:
         return tracked(masked, masked.from_original(samples), start.settings)
 
     def _begin(self) -> Any:
-        """Samples on the ground where the topology begins."""
+        """Samples on the surface at the start of the topology."""
         self._stands_on = self.masked_surfaces.first
         return self._started(self._stands_on)
 
     def _started(self, masked: Any) -> Any:
-        """Samples as the topology begins, on a ground of its faces."""
+        """Samples at the start of the topology, on a surface with its faces."""
         start = self.start
         return masked.from_original(
             samples_of(start.binding, masked.original, start.ids, start.classes)
         )
 
     def _go_over_to(self, masked: Any) -> None:
-        """Take the tracker to another ground, on the last frame."""
+        """Move the tracker to another surface, at the last frame."""
         samples = started = self._started(masked)
         vertices = self.bound.vertices
         if self.done > self._begun:
@@ -259,7 +260,7 @@ class Baker:
         self._stands_on = masked
 
     def _solved_of(self, samples: Any, settled: bool) -> Solved:
-        """Samples of the frame, turned as the last frame's were."""
+        """Samples of the frame, with the directions carried over from the last frame."""
         vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
         placed = placed_of(samples, self.bound)
         turned = carried(self.last, placed.binding, vertices, normals)
@@ -269,7 +270,7 @@ class Baker:
         return Solved(Placed(placed.faces, turned, tilt=tilt), report, settled)
 
     def _there(self, masked: Any, solved: Solved) -> Any:
-        """Samples of a solved frame on a ground, to the last bit."""
+        """Exactly the samples of a solved frame, on a surface."""
         placed, start = solved.placed, self.start
         weights = placed.binding.barycentric
         samples = package().Samples(
@@ -278,7 +279,7 @@ class Baker:
         return masked.from_original(samples)
 
     def _keep(self, solved: Solved, number: int, fingerprint: str, *, ahead: bool = False) -> None:
-        """Keep a frame of the scene, so that a bake that is stopped can go on."""
+        """Store a frame so that a stopped bake can continue from it."""
         if self.sidecar is None:
             return
         try:
@@ -288,7 +289,7 @@ class Baker:
             self.sidecar = None
 
     def _check_distinct(self, placed: Placed) -> None:
-        """ScatterError if a point went to where the rest shape means another place too."""
+        """ScatterError if a point moved to a place whose rest position is ambiguous."""
         if self.bound.rest is None:
             return
         binding = placed.binding
@@ -302,7 +303,7 @@ class Baker:
 
     @property
     def classes(self) -> Ints:
-        """Of all rows of a frame."""
+        """Object types of all rows of a frame."""
         return self.start.classes
 
     def _add(self, solved: Solved) -> None:

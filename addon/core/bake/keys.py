@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked keys: which frames become keys, how they are packed, what the frames between lose.
+"""Baked keyframes: which frames become keyframes, how they are packed, the error in between.
 
-A key holds where every point sits in one frame. Its rows are packed: the index of a triangle
-(32 bits) in a table of the triangles that are used, two barycentrics and the angle carried (32 bits
-each), 16 bytes for a point; 12 more where some instances lean, 4 where they are fitted to their
-room. A second table says for every frame which key is played, and how far it is to the next one:
-docs/bake.md. Where points are bound to the rest shape, the triangles store where they lie on it.
+A keyframe stores the place of every point in one frame. Its rows are packed into 16 bytes per
+point: the index of a triangle (32 bits) in a table of the used triangles, two barycentric
+coordinates and the angle (32 bits each); 12 more bytes where instances are tilted, 4 where they are
+fitted to their clearance. A second table gives the keyframe of every frame and the distance to the
+next one: docs/bake.md. If points are bound to the rest shape, the triangles also store their places
+on it.
 """
 
 from collections.abc import Iterator
@@ -22,7 +23,7 @@ from ..surface.records import TRIANGLE_ATTRIBUTES, Binding, Columns, Placed
 
 @dataclass(frozen=True)
 class Baked:
-    """Packed keys, ready to be stored; columns named as in records.py."""
+    """Packed keyframes, ready to be stored; columns are named as in records.py."""
 
     keys: Columns  # dapple_face of each row, and as its position: barycentrics 1 and 2, angle;
     # dapple_faded where points appear or vanish, dapple_tilt where instances lean, dapple_clearance
@@ -36,7 +37,9 @@ class Baked:
         return len(self.frames["dapple_key"])
 
     def binding(self, frame: int, count: int) -> tuple[Binding, Binding, float]:
-        """Of a whole frame, count points: both keys around it, and the share of the second."""
+        """For a frame and a number of points: both keyframes around it, and the weight of the
+        second.
+        """
         key, since, span = (
             int(self.frames[f"dapple_{name}"][frame]) for name in ("key", "since", "span")
         )
@@ -47,7 +50,7 @@ class Baked:
         )
 
     def there(self, frame: int, count: int) -> NDArray[np.bool_]:
-        """Which of count points are there in a frame, or on the way."""
+        """Which of the points exist in a frame, or are fading."""
         key, span = (int(self.frames[f"dapple_{name}"][frame]) for name in ("key", "span"))
         if "dapple_faded" not in self.keys:
             return np.ones(count, dtype=bool)
@@ -68,8 +71,8 @@ class Baked:
 
 
 def wrong_index(faces: Ints, triangles: Columns, frames: Columns, count: int) -> str:
-    """The first index of stored keys, each of count points, that points to nothing; empty where
-    all are right.
+    """The first invalid index in stored keyframes, each with `count` points; empty if all are
+    valid.
     """
     keys = len(faces) // max(count, 1)
     if keys * count != len(faces):
@@ -88,7 +91,7 @@ def wrong_index(faces: Ints, triangles: Columns, frames: Columns, count: int) ->
 
 @dataclass
 class KeyDistance:
-    """Distances of the played from the solved points on frames without a key, in spacings."""
+    """Distances between played and solved points on frames without a keyframe, in spacings."""
 
     largest: float = 0.0
     total: float = 0.0
@@ -114,25 +117,25 @@ class _Waiting:
 
 @dataclass
 class Keyframes:
-    """Collects solved frames: every so many of them become keys, and the last of all.
+    """Collects solved frames and makes every n-th one and the last one a keyframe.
 
-    Where the topology changes, a key ends what was and a key begins what comes; nothing is
-    mixed across, but for places of a rest shape, which both have.
+    Where the topology changes, one keyframe ends the old topology and another one begins the new.
+    They are not interpolated, except for places on a rest shape, which both have.
     """
 
-    count: int  # frames in all
+    count: int  # total number of frames
     every: int = 1
     error: KeyDistance = field(default_factory=KeyDistance)
     _next: int = 0
-    _start: int = 0  # first frame of this topology
-    _offset: int = 0  # of its triangles in the table of all
-    _first_rows: list[int] = field(default_factory=list)  # first keys of all topologies
+    _start: int = 0  # first frame of the current topology
+    _offset: int = 0  # start of its triangles in the whole table
+    _first_rows: list[int] = field(default_factory=list)  # first keyframe of each topology
     _topology: str = ""
-    last: tuple[int, Binding] | None = None  # frame of the newest key, and its binding
+    last: tuple[int, Binding] | None = None  # frame and binding of the newest keyframe
     _waiting: list[_Waiting] = field(default_factory=list)
-    _empty: bool = False  # whether no point was there on the last frame
+    _empty: bool = False  # whether the last frame had no points
     _triangles: list[Ints] = field(default_factory=list)
-    _rest: list[Columns] = field(default_factory=list)  # of the triangles; empty: none is known
+    _rest: list[Columns] = field(default_factory=list)  # rest shape of the triangles, if any
     _rows: list[tuple[Ints, Any]] = field(default_factory=list)
     _faded: list[Floats | None] = field(default_factory=list)
     _tilt: list[Floats | None] = field(default_factory=list)
@@ -147,7 +150,7 @@ class Keyframes:
     def add(
         self, placed: Placed, bound: SurfaceArrays, surface: SurfaceArrays, spacing: float
     ) -> None:
-        """The next frame: bound is the first frame of its topology, surface its own."""
+        """Add the next frame: `bound` is the first frame of its topology, `surface` its own."""
         if bound.topology != self._topology or self._empty:
             self._begin(bound)
         frame = self._enter(surface)
@@ -157,9 +160,9 @@ class Keyframes:
             self._waiting.append(_Waiting(frame, placed, surface.vertices, spacing))
 
     def add_empty(self, placed: Placed, bound: SurfaceArrays, surface: SurfaceArrays) -> None:
-        """The next frame, whose surface has no faces: all rows, on the faces of bound, are gone.
+        """Add a frame whose surface has no faces: all rows are marked as faded out.
 
-        Frames without faces that follow each other are one key, which is mixed with no other.
+        Consecutive frames without faces share one keyframe, which is not interpolated.
         """
         if not self._topology:
             self._begin(bound)
@@ -174,7 +177,7 @@ class Keyframes:
         self.last = None
 
     def _enter(self, surface: SurfaceArrays) -> int:
-        """Index of the next frame, whose surface is noted."""
+        """Index of the next frame; remembers its surface."""
         frame = self._next
         self._next += 1
         self._table[frame, 3] = len(surface.vertices)
@@ -182,7 +185,7 @@ class Keyframes:
         return frame
 
     def packed(self) -> Baked:
-        """All keys, over the triangles that they use; no more can be added then."""
+        """All keyframes with the triangles that they use. Nothing can be added afterward."""
         if self._packed is None:
             self._packed = self._pack()
         return self._packed
@@ -206,8 +209,9 @@ class Keyframes:
         )
 
     def _all_rows(self, place: Ints) -> Columns:
-        """Columns of all keys, their triangles by place; a key is let go as soon as it is in them:
-        together they may fill the memory.
+        """Columns of all keyframes, with the triangles by their place in the table.
+
+        Each keyframe is freed once it is copied, as all of them may fill the memory.
         """
         count = sum(len(faces) for faces, _ in self._rows)
         keys: Columns = {
@@ -226,7 +230,7 @@ class Keyframes:
             keys["dapple_face"][rows], keys["position"][rows] = place[faces], places
             if faded is not None:
                 keys["dapple_faded"][rows] = faded
-            if tilt is not None:  # of points that appear later none leans
+            if tilt is not None:  # points that appear later have no tilt
                 keys["dapple_tilt"][rows][: len(tilt)] = tilt
             if clearance is not None:
                 keys["dapple_clearance"][rows][: len(clearance)] = clearance
@@ -234,7 +238,7 @@ class Keyframes:
         return keys
 
     def _taken(self) -> Iterator[tuple[Ints, Any, Floats | None, Floats | None, Floats | None]]:
-        """The rows of each key, which are not kept."""
+        """The rows of each keyframe, which are freed."""
         for store in (self._rows, self._faded, self._tilt, self._clearance):
             store.reverse()
         while self._rows:
@@ -247,7 +251,7 @@ class Keyframes:
         return columns
 
     def _fill_up(self) -> None:
-        """Give each key rows for the points that appear later, which are not there yet."""
+        """Add rows to each keyframe for the points that appear later."""
         for key in range(len(self._rows) - 2, -1, -1):
             own, later = self._rows[key], self._rows_after(key)
             more = len(later[0])
@@ -261,7 +265,7 @@ class Keyframes:
                 self._faded[key] = np.concatenate([faded, np.ones(more, dtype=np.float32)])
 
     def _rows_after(self, key: int) -> tuple[Ints, Any]:
-        """Where points will appear; on faces that are not there yet, as many like the first row."""
+        """Where points will appear; on faces that do not exist yet, copies of the first row."""
         (faces, places), (later_faces, later_places) = self._rows[key], self._rows[key + 1]
         if key + 1 not in self._first_rows:
             return later_faces[len(faces) :], later_places[len(faces) :]
@@ -269,7 +273,7 @@ class Keyframes:
         return faces[first], places[first]
 
     def _end_topology(self) -> None:
-        """Have the last frame be a key."""
+        """Make the last frame a keyframe."""
         if self._waiting:
             last = self._waiting.pop()
             self._add_key(last.frame, last.placed)
@@ -288,7 +292,7 @@ class Keyframes:
             self._rest.append(_rest_of(bound))
 
     def _drop_unused(self) -> None:
-        """Keep those triangles of the topology that ends which its keys use."""
+        """Remove the triangles of the finished topology that no keyframe uses."""
         if not self._rows:
             return
         begin = self._first_rows[-1]
@@ -322,7 +326,7 @@ class Keyframes:
 
 
 def _rest_of(bound: SurfaceArrays) -> Columns:
-    """Columns named as in REST_TRIANGLE_ATTRIBUTES, of all triangles."""
+    """Columns of all triangles, named as in REST_TRIANGLE_ATTRIBUTES."""
     assert bound.rest is not None
     corners: Columns = {
         f"dapple_r{k}": bound.rest[bound.faces[:, k]].astype(np.float32) for k in range(3)
@@ -331,19 +335,19 @@ def _rest_of(bound: SurfaceArrays) -> Columns:
 
 
 def _single(values: Floats | None) -> Any:
-    """In the single precision in which keys are stored."""
+    """Values in the single precision of stored keyframes."""
     return None if values is None else values.astype(np.float32)
 
 
 def padded(tilts: Floats, count: int) -> Floats:
-    """Leans (k, 3) and as many of none as make them so many: of points that appear later."""
+    """Tilts (k, 3), extended to `count` rows by zeros for points that appear later."""
     found: Floats = np.concatenate([tilts, np.zeros((count - len(tilts), 3))])
     return found
 
 
 def _distances(waiting: _Waiting, before: Binding, after: Binding, share: float) -> Floats:
-    """Of the two keys mixed on the surface of a frame from where its points were solved."""
-    known = len(before.corners)  # points that appear in between have no place before
+    """Distances of two interpolated keyframes from the solved points, on the frame's surface."""
+    known = len(before.corners)  # points that appear in between are not in the first keyframe
     first = before.positions(waiting.vertices)
     second = after.positions(waiting.vertices)[:known]
     solved = waiting.placed.binding.positions(waiting.vertices)[:known]

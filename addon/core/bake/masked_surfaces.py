@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The ground of a bake: laid where a topology begins, and anew where what its density reads is
-another than before.
+"""The surface of a bake with its density: built where a topology begins, and rebuilt when an input
+of the density has changed.
 """
 
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ from ..surface.arrays import Floats, Ints, SurfaceArrays, Surroundings
 from ..surface.records import Placed
 from ..surface.sources import value_roles
 
-_OF_THE_WORLD = ("slope", "height", "aspect", "distance")  # masks
+_OF_THE_WORLD = ("slope", "height", "aspect", "distance")  # masks by position in the world
 _AROUND = {
     "uv": ("uv",),
     "image": ("image",),
@@ -28,21 +28,21 @@ _AROUND = {
 
 
 class MaskedSurfaces:
-    """Lays grounds when they are asked for; takes no more of a frame than it is told."""
+    """Builds the surface with its density on demand and reads no more of a frame than needed."""
 
     def __init__(self, bound: SurfaceArrays, settings: Settings) -> None:
         self._settings = settings
-        self.moving: set[str] = set()  # roles of what was another on some frame
+        self.moving: set[str] = set()  # roles of inputs that have changed on some frame
         self.begin(bound)
 
     def begin(self, bound: SurfaceArrays) -> None:
-        """A topology begins."""
-        self.bound = self.laid = bound  # laid: the frame whose density holds
+        """Start a new topology."""
+        self.bound = self.laid = bound  # laid: the frame of the current density
         self._first: MaskedSurface | None = None
         self._now: MaskedSurface | None = None
 
     def follow(self, frame: SurfaceArrays) -> Iterator[Any]:
-        """Have the density of a frame hold, if it is another; what it is made of, for digests."""
+        """Use the density of a frame if it differs; yields its inputs for digests."""
         roles = moved(self.laid, frame, self._settings)
         if not roles:
             return
@@ -52,26 +52,26 @@ class MaskedSurfaces:
 
     @property
     def first(self) -> MaskedSurface:
-        """Where the topology begins."""
+        """The surface at the start of the topology."""
         if self._first is None:
             self._first = masked_surface_of(self.bound, self._settings)
         return self._first
 
     @property
     def now(self) -> MaskedSurface:
-        """Of the density that holds."""
+        """The surface with the current density."""
         if self._now is None:
             self._now = self._built_on(self.laid, self.bound, self.first)
         return self._now
 
     def of(self, laid: SurfaceArrays, bound: SurfaceArrays) -> MaskedSurface:
-        """Of the density of a frame, on the topology that began at another one."""
+        """The surface with the density of one frame and the topology of another."""
         if bound is not self.bound:
             return self._built_on(laid, bound, masked_surface_of(bound, self._settings))
         return self.now if laid is self.laid else self._built_on(laid, bound, self.first)
 
     def with_clearance(self, placed: Placed, vertices: Floats, classes: Ints) -> Placed:
-        """With the room (n,) that each point has on a frame; those that are not there have none."""
+        """Add the clearance (n,) of each point in a frame; 0 for points that do not exist there."""
         count = len(placed.faces)
         there = np.ones(count, dtype=bool) if placed.faded is None else placed.faded < 1.0
         places = placed.binding.positions(vertices)[there]
@@ -89,7 +89,7 @@ class MaskedSurfaces:
 
 
 def may_move(settings: Settings) -> bool:
-    """Whether a density takes anything that can be another on a later frame."""
+    """Whether a density has inputs that can change between frames."""
     density = settings.density
     nearby = density.image or density.use_camera_view or density.avoid_collection
     values = names_of(settings) or materials_of(density)
@@ -97,7 +97,7 @@ def may_move(settings: Settings) -> bool:
 
 
 def moved(before: SurfaceArrays, now: SurfaceArrays, settings: Settings) -> list[str]:
-    """Roles of what is another now, as sources.py names them; of two frames with the same faces."""
+    """Roles of the inputs that differ between two frames with the same faces; see sources.py."""
     values = value_roles(settings).items()
     found = [role for role, name in values if not _same(before.weights[name], now.weights[name])]
     found += _moved_around(before.around, now.around)
@@ -107,14 +107,14 @@ def moved(before: SurfaceArrays, now: SurfaceArrays, settings: Settings) -> list
 
 
 def with_faces(frame: SurfaceArrays, bound: SurfaceArrays) -> SurfaceArrays:
-    """A frame whose polygons are cut as where the points were bound."""
+    """A frame whose polygons are cut as when the points were bound."""
     return replace(
         frame, faces=bound.faces, loops=bound.loops, rest=bound.rest, rest_parts=bound.rest_parts
     )
 
 
 def arrays_of(frame: SurfaceArrays) -> list[Any]:
-    """All that is compared of a frame beside its shape, for digests."""
+    """Everything that is compared of a frame besides its shape, for digests."""
     return [*frame.weights.values(), *frame.around.arrays()]
 
 
@@ -123,7 +123,7 @@ def _masks(density: DensitySettings) -> list[str]:
 
 
 def is_of_the_world(density: DensitySettings, around: Surroundings) -> bool:
-    """Whether a density is another where its surface moves."""
+    """Whether a density changes when its surface moves."""
     nearby = around.camera is not None or around.obstacles or len(around.points)
     return bool(nearby or _masks(density))
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake at a constant density per area: points appear where the surface grows, others vanish.
+"""A bake with constant density: points appear where the surface grows and vanish where it shrinks.
 
-Every point that is ever there has a row in every key, in the order in which they appear, so that
-instances keep their identity. `gone` of a row is 1 - fade: 0 for one that is there, 1 for one that
-is not there yet or no more. On frames without faces all are gone; where faces come back, others
-appear there, at the previous density.
+Every point that ever exists has a row in every keyframe, in the order of appearance, so instances
+keep their identity. `faded` of a row is 0 for a point that exists and 1 for one that does not exist
+yet or any more. On frames without faces all points are faded out; when faces come back, new points
+appear at the previous density.
 """
 
 from dataclasses import dataclass, replace
@@ -28,16 +28,16 @@ from .tilt import TiltTracker
 
 @dataclass(frozen=True)
 class Born:
-    """Points that appear during a bake, where they appear."""
+    """Points that appear during a bake, at their first places."""
 
-    binding: Binding  # on the first topology
+    binding: Binding  # their binding to the first topology
     positions: Floats  # (k, 3) in world space
     columns: Columns  # named as in POINT_ATTRIBUTES and ADDED_ATTRIBUTES
 
 
 @dataclass(frozen=True)
 class _FramePoints:
-    """Points of a frame, on the faces of its topology: those that stay, then those that vanish."""
+    """Points of a frame on its topology: first those that stay, then those that vanish."""
 
     ids: Ints
     classes: Ints
@@ -48,34 +48,34 @@ class _FramePoints:
 
 @dataclass
 class PopulationBaker(Baker):
-    """Bakes births and deaths.
+    """A baker whose points appear and vanish.
 
-    A file of a frame holds the points that are there in it, not the rows, and what the population
-    remembers; see dapple.Population.state.
+    The file of a frame stores the existing points instead of rows, and the state of the population;
+    see dapple.Population.state.
     """
 
-    at_seam = False  # the package finds where each point goes on
-    fade: int = 12  # frames that a point takes to appear or to vanish
+    at_seam = False  # the package maps the points to the new faces
+    fade: int = 12  # frames in which a point fades in or out
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.start.settings.object_types:  # which the package follows on the same faces only
+        if self.start.settings.object_types:  # the package supports them on constant faces only
             self.reattach, self.remedy = False, "Set Population to Keep Count"
         self._chain.note(f"population, {self.fade}")
         self.ids = np.asarray(self.start.ids, dtype=np.int32)
         self._population: Any = None
-        self._stands = 0  # frames after which the population stands
-        self._masked_then: MaskedSurface | None = None  # of the last frame, its density and points
+        self._stands = 0  # number of frames that the population has processed
+        self._masked_then: MaskedSurface | None = None  # surface of the last frame
         self._bound_then = self._laid_then = self.bound
         self._there_then: _FramePoints
         self._state: Columns = {}
-        self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far
-        self._births: list[tuple[Binding, Floats, Ints]] = []  # places and classes
-        self._restarts = False  # on the next frame, behind frames without faces
-        self._began: tuple[SurfaceArrays, _FramePoints] | None = None  # where it last has, so
+        self._faces = np.zeros(0, dtype=np.int32)  # faces of all rows so far
+        self._births: list[tuple[Binding, Floats, Ints]] = []  # bindings, positions and classes
+        self._restarts = False  # whether the next frame follows frames without faces
+        self._began: tuple[SurfaceArrays, _FramePoints] | None = None  # the last such frame
 
     def vanish(self, frame: SurfaceArrays) -> None:
-        """The next frame, which has no faces: no point is there."""
+        """Enter a frame without faces, and so without points."""
         self.fingerprint = self._chain.add(frame)
         nothing = np.zeros(0, dtype=np.int32)
         kept = Solved(Placed(nothing, attached_to(self.bound, nothing, np.zeros((0, 3)))), Report())
@@ -86,11 +86,11 @@ class PopulationBaker(Baker):
         self.reports.append(kept.report)
         self.topologies.append(frame.topology)
         self.is_empty = True
-        if not len(self._faces):  # the points of the start are yet to come
+        if not len(self._faces):  # the initial points have not appeared yet
             self._stands = self.done
 
     def appear(self, bound: SurfaceArrays) -> None:
-        """Faces come back, on which other points appear; the previous ones stay gone."""
+        """Continue when faces come back: new points appear on them."""
         self.is_empty = False
         if not len(self._faces):
             return
@@ -104,12 +104,12 @@ class PopulationBaker(Baker):
         self.topologies.append(bound.topology)
 
     def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
-        """Bind all rows to the new topology, those too that are not there."""
+        """Bind all rows to the new topology, including those of points that do not exist."""
         super().cross(before, after)
         self._faces = faces_with_corners(self.last.corners, after.faces)
 
     def take(self) -> bool:
-        """Whether the frame was solved before; then it is done."""
+        """Read the frame from the sidecar; returns False if it has to be solved."""
         if self.sidecar is None:
             return False
         number = self.first + self.done
@@ -132,7 +132,8 @@ class PopulationBaker(Baker):
         there = _FramePoints(now.ids, now.classes, now.faces, now.barycentric, now.fade)
         kept = self._kept(there, report_of(report), self._population.state)
         self._keep(kept, self.first + self.done, self.fingerprint)
-        # What is stored leads back to cut faces but for rounding: the population is put there too.
+        # Stored samples differ from the solved ones by rounding, so the population continues from
+        # them.
         self._stands = -1 if self.masked_surfaces.now.is_cut else self.done + 1
         self._masked_then = self.masked_surfaces.now
         self._note(there, kept)
@@ -144,7 +145,7 @@ class PopulationBaker(Baker):
         return Solved(Placed(faces, binding), report, bool(state["settled"]), more)
 
     def _note(self, there: _FramePoints, kept: Solved) -> None:
-        """The frame is done."""
+        """Store a finished frame."""
         self._there_then, self._state = there, kept.more
         self._bound_then, self._laid_then = self.bound, self.masked_surfaces.laid
         if self._restarts:
@@ -159,7 +160,7 @@ class PopulationBaker(Baker):
         return samples, samples.report
 
     def _restarted(self, context: Any) -> tuple[Any, Any]:
-        """Points at the previous density, all of which begin to appear."""
+        """New points at the previous density, all of which fade in."""
         surface = self._surface()
         density, first = float(self._state["densities"][0]), int(self._state["next_id"])
         count = max(1, round(density * surface.capacity))
@@ -182,7 +183,7 @@ class PopulationBaker(Baker):
         return self._population.samples, found.report
 
     def _ready(self) -> Any:
-        """The population, at the last frame that is done."""
+        """The population at the last frame that is done."""
         if self._population is None:
             self._population = self._new_population()
         if self._stands < self.done:
@@ -197,7 +198,7 @@ class PopulationBaker(Baker):
         return self._population
 
     def _new_population(self) -> Any:
-        """At the start of the bake, or where points have appeared behind frames without faces."""
+        """A population at the start of the bake or after frames without faces."""
         if self._began is not None:
             bound, there = self._began
             masked = masked_surface_of(bound, self.start.settings)
@@ -215,7 +216,7 @@ class PopulationBaker(Baker):
         return package().Population(masked.surface, samples, fade=self.fade, **options)
 
     def _surface(self) -> Any:
-        """Vertices of the ground in the frame, or a dapple.Surface where its faces are others."""
+        """Vertices of the frame's surface, or a dapple.Surface if its faces have changed."""
         masked = self.masked_surfaces.now
         if masked is self._stands_on:
             return masked.vertices(self._now.vertices)
@@ -223,7 +224,7 @@ class PopulationBaker(Baker):
         return masked.surface
 
     def born(self) -> Born | None:
-        """The points that were not there at the start."""
+        """The points that did not exist at the start."""
         first = len(self.start.ids)
         ids = self.ids[first:]
         if not len(ids):
@@ -233,7 +234,7 @@ class PopulationBaker(Baker):
         return Born(joined(list(bindings)), np.concatenate(places), columns)
 
     def _rows(self, samples: Any) -> Placed:
-        """The samples as rows: known ids first, each at its own, then those that appear."""
+        """The samples as rows: known ids at their own rows, followed by new ones."""
         order = {int(one): row for row, one in enumerate(self.ids)}
         new = np.array([one not in order for one in samples.ids.tolist()], dtype=bool)
         self._appear(samples, new)
@@ -255,11 +256,11 @@ class PopulationBaker(Baker):
 
     @property
     def classes(self) -> Ints:
-        """Of all rows of a frame."""
+        """Object types of all rows of a frame."""
         return np.concatenate([self.start.classes, *(born for _, _, born in self._births)])
 
     def _appear(self, samples: Any, new: Any) -> None:
-        """Give new ids rows at their first places."""
+        """Add rows for new ids at their first places."""
         if not len(self._faces):
             self._faces = _faces_at_start(samples, self.ids)
         if not new.any():
@@ -276,7 +277,7 @@ class PopulationBaker(Baker):
 
 
 def _points_of(kept: Solved) -> _FramePoints | None:
-    """The points of a file, if it is one of a population."""
+    """The points of a stored frame, if it belongs to a population."""
     more, placed = kept.more, kept.placed
     for name, kind in {"ids": "i4", "classes": "i4", "fades": "f8"}.items():
         if name not in more or more[name].dtype != kind or more[name].shape != placed.faces.shape:
@@ -297,12 +298,12 @@ def _largest_face(surface: SurfaceArrays) -> int:
 
 
 def _first_row(binding: Binding, count: int) -> Binding:
-    """So many like the first: for points of later topologies, which the first one never shows."""
+    """Copies of the first row, for points of later topologies; they are never shown here."""
     return binding.rows_at(np.zeros(count, dtype=np.int64))
 
 
 def _faces_at_start(samples: Any, ids: Ints) -> Ints:
-    """Faces of the first rows on the first frame, on which nothing can have vanished for good."""
+    """Faces of the first rows in the first frame, in which every point still exists."""
     of = dict(zip(samples.ids.tolist(), samples.faces.tolist(), strict=True))
     missing = [one for one in ids.tolist() if one not in of]
     if missing:

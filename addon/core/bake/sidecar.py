@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work in progress of a bake: one file for each solved frame, so that it can go on after a stop.
+"""Unfinished bakes: one file for each solved frame, so that a stopped bake can continue.
 
-Frames that are solved in pieces have a second file each where they are ahead: window_bake.py.
+Frames that are solved in pieces have a second file if they overlap the next piece: window_bake.py.
 A file is an npz of plain arrays (docs/bake.md lists them). It is written under another name,
-flushed to the disk and renamed, so a frame is there as a whole or not at all. Its fingerprint
-covers all that the frame was solved from, its digest what it holds and of which frame; a file that
-is torn, changed, exchanged, foreign or of other input is as good as none.
+flushed to the disk and renamed, so it is either complete or missing. Its fingerprint covers all
+inputs of the frame, its digest the content and the number of the frame; a file that is damaged,
+modified, swapped or made from other inputs is ignored.
 """
 
 import hashlib
@@ -30,21 +30,21 @@ from ..surface.records import Binding, Columns, Placed
 
 FORMAT = 2
 _OURS = ("frame_*", "ahead_*")
-_MORE = "more_"  # how names of arrays begin that only populations have
+_MORE = "more_"  # prefix of the names of a population's arrays
 
 
 @dataclass(frozen=True)
 class Solved:
-    """What the tracker found in one frame, in full precision."""
+    """The tracker's result for one frame, in full precision."""
 
     placed: Placed
     report: Report
-    settled: bool = False  # dapple.Tracker.settled, to go on from here
-    more: Columns = field(default_factory=dict)  # of a population: who is there, what it remembers
+    settled: bool = False  # dapple.Tracker.settled, needed to continue
+    more: Columns = field(default_factory=dict)  # existing points and state of a population
 
 
 class Fingerprint:
-    """Digest of all that a frame is solved from: version, settings, start, every frame so far."""
+    """Digest of all inputs of a frame: version, settings, start, every frame so far."""
 
     def __init__(self, settings: Settings, start: Binding, arrays: Iterable[Any]) -> None:
         version = package().__version__
@@ -54,15 +54,15 @@ class Fingerprint:
             self._add(array)
 
     def note(self, text: str) -> None:
-        """What else all frames are solved from."""
+        """Add another input of all frames."""
         self._digest.update(text.encode())
 
     def note_array(self, array: Any) -> None:
-        """The same for numbers."""
+        """The same for arrays."""
         self._add(array)
 
     def add(self, frame: SurfaceArrays) -> str:
-        """The fingerprint with one more frame."""
+        """The fingerprint including one more frame."""
         self._digest.update(frame.topology.encode())
         self._add(frame.vertices)
         if frame.normals is not None:
@@ -72,7 +72,7 @@ class Fingerprint:
         return self.now()
 
     def now(self) -> str:
-        """The fingerprint of all that was added."""
+        """The fingerprint of everything added so far."""
         return self._digest.copy().hexdigest()
 
     def _add(self, array: Any) -> None:
@@ -82,7 +82,7 @@ class Fingerprint:
 
 
 def start_digest(settings: Settings, way: str, first: int, columns: Columns) -> str:
-    """What a bake begins with, in a few letters: settings, way of baking, first frame, points."""
+    """Short digest of a bake's start: settings, kind of bake, first frame, points."""
     head = json.dumps([FORMAT, package().__version__, asdict(settings), way, first], sort_keys=True)
     digest = hashlib.blake2b(head.encode(), digest_size=4)
     for name, values in sorted(columns.items()):
@@ -110,8 +110,9 @@ class Sidecar:
         *,
         ahead: bool = False,
     ) -> Solved | None:
-        """The frame if it was solved from the same input: so many points, or any, on a surface with
-        these faces.
+        """The frame if it was solved from the same input.
+
+        It must have this number of points, if given, on a surface with these faces.
         """
         try:
             with np.load(self.path(frame, ahead=ahead), allow_pickle=False) as stored:
@@ -121,11 +122,11 @@ class Sidecar:
             if str(arrays.pop("digest")) != _digest(self.path(frame, ahead=ahead), arrays):
                 return None
             return _checked(arrays, points, surface)
-        except Exception:  # whatever broken bytes make numpy and zipfile raise
+        except Exception:  # numpy and zipfile raise various errors for damaged files
             return None
 
     def fingerprint(self, frame: int) -> str:
-        """Of a frame's file; empty where there is none."""
+        """Fingerprint of a frame's file; empty if there is none."""
         try:
             with np.load(self.path(frame), allow_pickle=False) as stored:
                 return str(stored["fingerprint"])
@@ -133,7 +134,7 @@ class Sidecar:
             return ""
 
     def store(self, frame: int, fingerprint: str, solved: Solved, *, ahead: bool = False) -> None:
-        """Keep a frame, on the disk when this returns; OSError if that fails."""
+        """Write a frame to the disk; OSError if that fails."""
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.path(frame, ahead=ahead)
         part = path.with_suffix(f".{os.getpid()}.part")
@@ -154,18 +155,18 @@ class Sidecar:
             part.write_bytes(packed.getbuffer())
 
     def frames(self) -> int:
-        """Number of files of frames that are done, whatever they hold."""
+        """Number of files of finished frames, whatever they contain."""
         return len(list(self.folder.glob("frame_*.npz")))
 
     def move(self, folder: Path) -> None:
-        """Take the frames to another folder, over those that are there; OSError if that fails."""
+        """Move the frames to another folder and overwrite existing ones; OSError if that fails."""
         folder.mkdir(parents=True, exist_ok=True)
         for path in sorted(path for one in _OURS for path in self.folder.glob(one + ".npz")):
             shutil.move(path, folder / path.name)
         self.clear()
 
     def clear(self) -> None:
-        """Remove the frames and what a killed process left; other files stay."""
+        """Remove the frames and the remains of killed processes; other files stay."""
         for ours in _OURS:
             for suffix in (".npz", ".part"):
                 for path in self.folder.glob(ours + suffix):
@@ -178,7 +179,7 @@ class Sidecar:
 
 
 def _digest(path: Path, arrays: dict[str, Any]) -> str:
-    """Of the arrays of a file, which belong to the frame that it is named by."""
+    """Digest of a file's arrays and of its name, which contains the frame."""
     digest = hashlib.blake2b(path.stem.encode(), digest_size=16)
     for name, array in sorted(arrays.items()):
         values = np.ascontiguousarray(array)
@@ -188,7 +189,7 @@ def _digest(path: Path, arrays: dict[str, Any]) -> str:
 
 
 def _checked(stored: dict[str, Any], points: int | None, surface: SurfaceArrays) -> Solved:
-    """The stored frame; ValueError if its arrays cannot be of such a frame."""
+    """The stored frame; ValueError if its arrays are not valid."""
     points = len(stored["faces"]) if points is None else points
     wanted = {
         "faces": ("i4", (points,)),

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Leaning: what stands on a surface turns with it, and little more in any one frame.
+"""Tilt: instances turn with the surface, but only by a little more in each frame.
 
-A point that slides over a crease gets another normal at once, and its instance would flip too. So
-the instance leans back to where the surface alone would have turned it, and straightens by a few
-degrees a frame. Where skinning folds a surface, its own normal may jump from frame to frame: there
-an instance turns little more than those around it, and leans too. A lean is a rotation vector in
-the axes of the instance: the direction it carries is x, the normal z.
+A point that slides over a crease gets a different normal at once, and its instance would flip. So
+the instance is tilted back to the rotation of the surface alone, and straightens by a few degrees
+per frame. Where skinning folds a surface, its normal may jump between frames: there an instance
+turns little more than its neighbors and is tilted as well. A tilt is a rotation vector in the axes
+of the instance: x is its direction, z the normal.
 """
 
 import math
@@ -19,35 +19,35 @@ from ..surface.frames import Normals, frames, shading
 from ..surface.records import Binding
 from .keys import padded
 
-LIMIT = math.radians(9.5)  # that an instance turns against its surface in a frame
-MOST_APART = math.radians(30.0)  # that an instance turns more in a frame than those around it
-_AROUND = 3.0  # size of the cells whose instances are compared, in spacings
-_AGREE = 0.8  # of the length of a rotation has the mean of two or more that agree
+LIMIT = math.radians(9.5)  # largest rotation relative to the surface per frame
+MOST_APART = math.radians(30.0)  # largest difference to the neighbors' rotation per frame
+_AROUND = 3.0  # size of the cells in which instances are compared, in spacings
+_AGREE = 0.8  # mean of rotations that agree, relative to the length of one
 _TINY = 1e-9
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What was seen in a frame: axes (n, 3, 3) of the instances, and the points' mean spacing."""
+    """The previous frame: axes (n, 3, 3) of the instances and the mean spacing of the points."""
 
     axes: Floats
     spacing: float
 
 
 class TiltTracker:
-    """The leans of a bake, from frame to frame."""
+    """The tilts of a bake, frame by frame."""
 
     def __init__(self) -> None:
-        self.tilt: Floats | None = None  # of the last frame
-        # Of the last frame, if the surface has come from it: vertices, normals, spacing.
+        self.tilt: Floats | None = None  # tilts of the last frame
+        # Vertices, normals and spacing of the last frame, if its topology is the same.
         self._then: tuple[Floats, Normals, float] | None = None
 
     def next(
         self, before: Binding, after: Binding, vertices: Floats, normals: Normals
     ) -> Floats | None:
-        """Leans (n, 3) of the next frame, which has these vertices; None where none leans.
+        """Tilts (n, 3) of the next frame, which has these vertices; None if there are none.
 
-        Points that appear are the last ones of both bindings.
+        Points that appear come last in both bindings.
         """
         tilt, then = self.tilt, None
         if tilt is not None:
@@ -58,13 +58,13 @@ class TiltTracker:
         return new_tilts(before, tilt, after, vertices, normals, then)
 
     def add(self, tilt: Floats | None, vertices: Floats, normals: Normals, spacing: float) -> None:
-        """A frame is done."""
+        """Store a finished frame."""
         self.tilt, self._then = tilt, (vertices, normals, spacing)
 
     def cross(
         self, before: Binding, first: SurfaceArrays, after: Binding, second: SurfaceArrays
     ) -> None:
-        """Go on with another binding, to a surface of the same moment with other faces."""
+        """Continue with another binding, on a surface of the same moment with other faces."""
         axes = shown(before, self.tilt, first.vertices, shading(first))
         self.tilt = tilt_to(axes, after, second.vertices, shading(second))
         self._then = None
@@ -78,10 +78,10 @@ def new_tilts(
     normals: Normals,
     then: Shown | None = None,
 ) -> Floats | None:
-    """Leans (n, 3) after points went from one binding to another; None where none leans.
+    """Tilts (n, 3) after points moved from one binding to another; None if there are none.
 
-    lean is theirs before; both bindings are looked at on the vertices of the new frame. then is the
-    frame before, if there was one.
+    `tilt` is the previous tilt. Both bindings are evaluated on the vertices of the new frame.
+    `then` is the previous frame, if there is one.
     """
     axes = shown(before, tilt, vertices, normals)
     if then is not None:
@@ -96,13 +96,13 @@ def new_tilts(
 
 
 def shown(binding: Binding, tilt: Floats | None, vertices: Floats, normals: Normals) -> Floats:
-    """Axes (n, 3, 3) of instances that lean."""
+    """Axes (n, 3, 3) of tilted instances."""
     own = frames(binding, vertices, normals).axes(binding.angle)
     return own if tilt is None else own @ rotations(tilt)
 
 
 def steadied(then: Shown, axes: Floats, places: Floats) -> Floats:
-    """The axes after a frame, of instances that turn much more than those around them by less."""
+    """Axes after a frame in which outlying rotations are limited to those of their neighbors."""
     if not len(axes):
         return axes
     turned = axes @ np.swapaxes(then.axes, 1, 2)
@@ -124,7 +124,7 @@ def steadied(then: Shown, axes: Floats, places: Floats) -> Floats:
 
 
 def _in_cells(turned: Floats, places: Floats, size: float) -> tuple[NDArray[np.int64], Floats]:
-    """Cell (n,) of each point in a grid, and the sums (c, 3, 3) of the matrices in each cell."""
+    """Grid cell (n,) of each point, and the sums (c, 3, 3) of the matrices in each cell."""
     cells = np.floor((places - places.min(axis=0)) / max(size, _TINY)).astype(np.int64)
     _, inverse = np.unique(cells, axis=0, return_inverse=True)
     cell = inverse.reshape(-1).astype(np.int64)
@@ -134,7 +134,7 @@ def _in_cells(turned: Floats, places: Floats, size: float) -> tuple[NDArray[np.i
 
 
 def _rotation(sums: Floats) -> Floats:
-    """The rotations (c, 3, 3) that are nearest to sums of some."""
+    """The rotations (c, 3, 3) nearest to sums of rotations."""
     left, _, right = np.linalg.svd(sums)
     left[:, :, 2] *= np.linalg.det(left @ right)[:, None]
     found: Floats = left @ right
@@ -147,7 +147,7 @@ def _angles(one: Floats, other: Floats) -> Floats:
 
 
 def tilt_to(axes: Floats, binding: Binding, vertices: Floats, normals: Normals) -> Floats:
-    """Leans (n, 3) that give the instances of a binding these axes."""
+    """Tilts (n, 3) that give the instances of a binding these axes."""
     own = frames(binding, vertices, normals).axes(binding.angle)
     return rotation_vectors(np.swapaxes(own, 1, 2) @ axes)
 
@@ -165,7 +165,7 @@ def rotations(vectors: Floats) -> Floats:
 
 
 def rotation_vectors(matrices: Floats) -> Floats:
-    """Their inverse, by the quaternions of the matrices: half turns have an axis too."""
+    """The inverse of rotations(), by quaternions, which also handle half turns."""
     quaternions = _quaternions(matrices)
     sine = np.linalg.norm(quaternions[:, 1:], axis=1)
     angle = 2.0 * np.arctan2(sine, quaternions[:, 0])

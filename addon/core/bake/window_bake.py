@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Frames that are solved together, so that motion is smooth in time and loops close.
 
-They are solved in pieces, as dapple3d.track_pieces does: each begins before the last one ends, and
-its last frames, which are ahead, are solved again with the next one. Where the topology changes a
-piece ends. What a stopped bake has left of a piece is taken if all of it is there: the frames that
-are done with it, and those ahead, from which the next one goes on.
+They are solved in pieces, as in dapple3d.track_pieces: each piece begins before the previous one
+ends, and the overlapping frames are solved again with the next piece. A piece also ends where the
+topology changes. A piece of a stopped bake is used if it is complete: its finished frames and the
+overlapping ones, from which the next piece continues.
 """
 
 from dataclasses import dataclass
@@ -18,12 +18,12 @@ from ..surface.binding import placed_of
 from .baker import Baker
 from .sidecar import Solved
 
-PIECE, OVERLAP = 50, 12  # frames that are solved at once; how many of them again with the next
-_READING = 0.2  # of the progress
+PIECE, OVERLAP = 50, 12  # frames solved at once, and how many of them overlap the next piece
+_READING = 0.2  # share of the progress for reading
 
 
 class _Held(NamedTuple):
-    """A frame that is not done."""
+    """A frame that is not solved yet."""
 
     surface: SurfaceArrays
     fingerprint: str  # of all frames up to it
@@ -31,7 +31,7 @@ class _Held(NamedTuple):
 
 @dataclass
 class WindowBaker(Baker):
-    """Holds frames back until a piece of them is solved; finish() solves what is left."""
+    """Collects frames until a piece of them can be solved; finish() solves the rest."""
 
     closed: bool = False  # the last frame leads back to the first
 
@@ -44,32 +44,32 @@ class WindowBaker(Baker):
 
     @property
     def done(self) -> int:
-        """Frames that are held or solved."""
+        """Number of frames that are collected or solved."""
         return len(self.reports) + len(self.held)
 
     @property
     def share(self) -> tuple[float, float]:
-        """Of the bake, before and after the next frame."""
+        """Progress of the bake before and after the next frame."""
         more = PIECE - OVERLAP if self._is_full(len(self.held) + 1) else 0
         return self._progress(), self._progress(1, more)
 
     def take(self) -> bool:
-        """Whether the frame waits for others, or its piece was solved before."""
+        """Whether nothing has to be solved now: the piece is not full, or was solved before."""
         self.held.append(_Held(self._now, self.fingerprint))
         return not self._is_full(len(self.held)) or self._take(PIECE, PIECE - OVERLAP)
 
     def advance(self, context: Any) -> None:
-        """Solve the piece that is full with the frame."""
+        """Solve the piece that this frame completes."""
         self._solve(PIECE, PIECE - OVERLAP, context)
 
     def finish(self, context: Any) -> None:
-        """Take or solve all frames that are held."""
+        """Read or solve all collected frames."""
         count = len(self.held)
         if count and not self._take(count, count):
             self._solve(count, count, context)
 
     def _is_full(self, count: int) -> bool:
-        """Whether so many frames are a piece, and no less would be left than a piece."""
+        """Whether this many frames form a piece and at least a whole piece remains."""
         return count == 2 * PIECE - OVERLAP
 
     def _progress(self, read: int = 0, solved: int = 0) -> float:
@@ -77,7 +77,7 @@ class WindowBaker(Baker):
         return done / self.keyframes.count
 
     def _take(self, count: int, done: int) -> bool:
-        """Whether a piece of so many frames was solved before; then so many are done."""
+        """Read a piece from the sidecar; returns False if it has to be solved."""
         if self.sidecar is None:
             return False
         fingerprint, begin = self._piece(count, done), self.first + len(self.reports)
@@ -96,12 +96,12 @@ class WindowBaker(Baker):
         return True
 
     def _solve(self, count: int, done: int, context: Any) -> None:
-        """Solve a piece of so many frames, of which so many are done then."""
+        """Solve a piece of `count` frames, of which the first `done` are final."""
         fingerprint, begin = self._piece(count, done), self.first + len(self.reports)
         samples = self._samples_on(count, done, context)
         bound, ahead = self.bound, samples[done:]
         left = [Solved(placed_of(one, bound), report_of(one.report)) for one in ahead]
-        for k, solved in enumerate(left):  # before the others: once those are there, all are
+        for k, solved in enumerate(left):  # the last written files complete the piece
             self._keep(solved, begin + done + k, fingerprint, ahead=True)
         for k in range(done):
             self._now = self.held[k].surface
@@ -111,7 +111,7 @@ class WindowBaker(Baker):
         self._release(left, done, fingerprint)
 
     def _samples_on(self, count: int, done: int, context: Any) -> list[Any]:
-        """Samples of the frames of a piece, on the faces that were read."""
+        """Samples of the frames of a piece, on the original faces."""
         with named(self.bound.name):
             tracker, masked = self._ready_tracker()
             frames = [masked.vertices(one.surface.vertices) for one in self.held[:count]]
@@ -124,20 +124,20 @@ class WindowBaker(Baker):
         return f"{self.held[count - 1].fingerprint} {begin} {done} {count} {closes}"
 
     def _release(self, ahead: list[Solved], done: int, fingerprint: str) -> None:
-        """Hold so many frames no more."""
+        """Remove finished frames from the collection."""
         self._ahead, self.fingerprint = ahead, fingerprint
         del self.held[:done]
 
     def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
-        """Begin the next piece with a tracker of its own."""
+        """Begin the next piece with a new tracker."""
         super().cross(before, after)
         self.tracker = None
 
     def _ready_tracker(self) -> tuple[Any, Any]:
-        """The tracker, at the last frame that is done, and the ground that it stands on."""
+        """The tracker at the last frame that is done, and its surface."""
         if self.tracker is None:
             self.tracker = self._new_tracker()
-        masked = self.masked_surfaces.first  # what moves is not followed
+        masked = self.masked_surfaces.first  # animated inputs are not followed
         if self._tracked < len(self.reports):
             vertices = masked.vertices(self._vertices)
             ahead = [self._there(masked, one) for one in self._ahead]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A density as colors on the triangles of a surface; computed by a worker."""
+"""A density as colors on the triangles of a surface; computed in a worker."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +13,7 @@ from ..surface.arrays import Floats, SurfaceArrays
 from .masked_surface import MaskedSurface, masked_surface_of
 
 Singles = NDArray[np.float32]
-_LIFT = 2e-3  # above the surface, of its size
+_LIFT = 2e-3  # height above the surface, relative to its size
 _ALPHA = 0.75
 # From nothing to the most: dark, teal, yellow.
 _COLORS = np.array([[0.10, 0.06, 0.25], [0.13, 0.55, 0.55], [0.99, 0.90, 0.15]])
@@ -22,19 +22,20 @@ _STEPS = np.linspace(0.0, 1.0, len(_COLORS))
 
 @dataclass(frozen=True)
 class Colored:
-    """A density as colors, and what the brightest of them stands for."""
+    """A density as colors, and the value of the brightest color."""
 
     positions: Singles  # (3 m, 3) corners of triangles
     colors: Singles  # (3 m, 4)
-    most: float  # of the density
-    points: float = 0.0  # on a unit of area where the density is 1; 0: not known
+    most: float  # largest density
+    points: float = 0.0  # points per area where the density is 1; 0 if unknown
 
 
 def computed(
     arrays: SurfaceArrays, settings: Settings, values: str, alone: bool, context: Any
 ) -> Colored:
-    """For a class whose density has these values, or for a term of the density alone: the brightest
-    color is 1 then, or more where there is more.
+    """Colors for an object type whose density has these values, or for a single term.
+
+    For a single term the brightest color is 1, or the maximum if that is larger.
     """
     with named(arrays.name):
         masked = masked_surface_of(arrays, settings, context)
@@ -55,14 +56,14 @@ def _points(masked: MaskedSurface, settings: Settings) -> float:
 
 
 def ramp() -> tuple[Floats, Singles]:
-    """Places (k,) in 0..1 and colors (k, 4) from none to the most, as a legend shows them."""
+    """Positions (k,) in 0..1 and colors (k, 4) of the legend."""
     found = colored(_STEPS)
     found[:, 3] = 1.0
     return _STEPS, found
 
 
 def colored(shares: Floats) -> Singles:
-    """Colors (n, 4) of shares (n,) of the largest density."""
+    """Colors (n, 4) of densities (n,) relative to the largest one."""
     found = np.full((len(shares), 4), _ALPHA, dtype=np.float32)
     for k in range(3):
         found[:, k] = np.interp(shares, _STEPS, _COLORS[:, k])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The ground: the surface that was read with the density that the settings ask for."""
+"""The surface that was read, with the density of the settings."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -24,10 +24,11 @@ def masked_surface_of(
     like: MaskedSurface | None = None,
     first: SurfaceArrays | None = None,
 ) -> MaskedSurface:
-    """Raises ValueError as dapple.Surface does; a dapple.Context can cancel the cutting.
+    """The surface with its density.
 
-    A ground with the same faces, `like`, saves measuring anew those that have not changed.
-    What belongs to the surface is as on the first frame, if that is given.
+    Raises ValueError as dapple.Surface does; a dapple.Context can cancel the refinement. A previous
+    surface with the same faces, `like`, saves recomputing what has not changed. If the first frame
+    is given, inputs that belong to the surface are taken from it.
     """
     surface = _measured(
         arrays,
@@ -53,13 +54,13 @@ def masked_surface_of(
 
 
 def shares(masked: MaskedSurface, densities: Floats) -> Floats:
-    """Densities as shares of the largest that the ground has."""
+    """Densities relative to the largest density of the surface."""
     density = masked.surface.density
     return densities if density is None else densities / density.max()
 
 
 def _measured(arrays: SurfaceArrays, density: Floats | None, merge: bool, like: Any) -> Any:
-    """dapple.Surface of what was read; that of the same faces saves most of the work."""
+    """A dapple.Surface; one with the same faces, `like`, saves most of the work."""
     values, at = package().density.placed(density)
     own = shaded(arrays)
     same = like is not None and like.merge_doubled == merge

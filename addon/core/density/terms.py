@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The terms of a density that the settings ask for, by the density functions of the package."""
+"""The terms of a density, computed by the package's density functions."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -11,11 +11,11 @@ from ..settings.values import MATERIAL, DensitySettings, Settings, materials_of
 from ..surface.arrays import Floats, SurfaceArrays, turn_of
 from ..surface.frames import corner_normals
 
-_FLOOR = 0.02  # of the largest density, where curvature alone thins
+_FLOOR = 0.02  # smallest density by curvature, relative to the largest
 
 
 def names_of(settings: Settings) -> list[str]:
-    """Attributes and vertex groups that the settings ask for."""
+    """Attributes and vertex groups that the settings use."""
     density = settings.density
     named = [
         density.attribute,
@@ -26,12 +26,12 @@ def names_of(settings: Settings) -> list[str]:
 
 
 def has_mask(settings: DensitySettings, name: str) -> bool:
-    """Whether the mask of that name has an effect."""
+    """Whether this mask has an effect."""
     return bool(getattr(settings, f"use_{name}") and getattr(settings, f"{name}_strength") > 0.0)
 
 
 def range_of(settings: DensitySettings, name: str) -> Any:
-    """The dapple.density.Range of the mask of that name; None where it has no effect."""
+    """The dapple.density.Range of this mask; None if it has no effect."""
     if not has_mask(settings, name):
         return None
     ends = ("min", "max", "falloff", "invert", "strength")
@@ -41,17 +41,17 @@ def range_of(settings: DensitySettings, name: str) -> Any:
 def density_of(
     arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays | None = None
 ) -> Floats | None:
-    """Product of the terms that are known on the faces that were read: at vertices (v,), or on
-    faces (m, 1) or at their corners (m, 3) where some term is; None where there is none.
+    """Product of the terms that are known on the original faces.
 
-    Of a later frame of a bake with its first one, on which the surface has its curvature.
+    At vertices (v,), or on faces (m, 1) or corners (m, 3) if a term needs it; None if there is no
+    term. In later frames of a bake the curvature is that of the first frame.
     """
     terms = [*_stored_terms(arrays, settings), *_terms_by_shape(arrays, settings, first or arrays)]
     return package().density.product(terms, arrays.faces) if terms else None
 
 
 def _stored_terms(arrays: SurfaceArrays, settings: DensitySettings) -> Iterator[Floats]:
-    """Values that the surface has."""
+    """Values stored with the surface."""
     if settings.attribute:
         yield arrays.weights[settings.attribute]
     if settings.blocked_areas:
@@ -85,8 +85,9 @@ def _by_curvature(arrays: SurfaceArrays, influence: float) -> Floats:
 def fields_of(
     arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays | None = None
 ) -> list[Any]:
-    """The dapple.density.Field of each term that knows nothing of faces; of a later frame of a bake
-    with its first one, on which border and noise are.
+    """The dapple.density.Field of each term that is independent of faces.
+
+    In later frames of a bake, border and noise are those of the first frame.
     """
     around, density, found = arrays.around, package().density, []
     if (within := range_of(settings, "height")) is not None:
@@ -103,7 +104,7 @@ def fields_of(
 def _distances(
     arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays | None
 ) -> Iterator[Any]:
-    """To objects and to the border; where there are none, the masks have no effect."""
+    """Fields of the distances to objects and to the border; empty if there are none."""
     around, density, begin = arrays.around, package().density, first or arrays
     within = range_of(settings, "distance")
     if within is not None and (around.targets or len(around.lines)):
@@ -117,7 +118,7 @@ def _distances(
 
 
 def _noise(within: Any, settings: DensitySettings, matrix: Floats, rides: bool) -> Any:
-    """In the axes of the surface's object, in lengths of the world."""
+    """The noise field, in the axes of the surface's object and with lengths of the world."""
     return package().density.Noise(
         within,
         size=settings.noise_size,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points carried over to a surface that has changed, and where it has."""
+"""Points carried over to a surface that has changed, and where it has changed."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,12 +15,12 @@ from ..surface.binding import samples_of
 from ..surface.records import Binding, Columns
 from .solve import Solved
 
-SAME_PLACE = 1e-5  # of a surface's extent: vertices that are moved by less are where they were
+SAME_PLACE = 1e-5  # relative to the extent: vertices that move less have not moved
 
 
 @dataclass(frozen=True)
 class PreviousResult:
-    """The points as they are stored, and their solution where it is remembered."""
+    """The stored points, and their solution if it is still in memory."""
 
     binding: Binding
     columns: Columns
@@ -29,9 +29,9 @@ class PreviousResult:
 
 
 def cut_alike(solved: Solved | None, arrays: SurfaceArrays) -> SurfaceArrays:
-    """With quads cut along the same diagonals as before, which may be others once they are bent.
+    """The surface with quads cut along the same diagonals as before, even if they bent since.
 
-    A picture and values of face corners lie on the triangles as they were read.
+    Images and values of face corners belong to the original triangles.
     """
     laid = arrays.around.uv is not None or any(map(_is_of_corners, arrays.weights.values()))
     if solved is None or laid or arrays.topology != solved.arrays.topology:
@@ -49,7 +49,7 @@ def _is_of_corners(values: Floats) -> bool:
 def carried_points(
     before: PreviousResult, arrays: SurfaceArrays, masked: MaskedSurface, settings: Settings
 ) -> tuple[Any, Ints]:
-    """dapple.Samples of the ground that are there, and the faces on which something changed."""
+    """dapple.Samples of the existing points on the surface, and the faces that changed."""
     solved, everything = before.solved, np.arange(len(masked.surface.faces), dtype=np.int32)
     ids, classes = before.columns["id"], before.columns["dapple_object_type"]
     if solved is None or not np.array_equal(solved.arrays.faces, arrays.faces):
@@ -77,7 +77,7 @@ def carried_points(
 
 
 def _in_pose(before: SurfaceArrays, now: SurfaceArrays) -> Floats:
-    """The previous vertices where they are once the object was moved or turned as a whole."""
+    """The previous vertices, moved by the rigid motion of the object."""
     if np.array_equal(before.matrix, now.matrix):
         return before.vertices
     motion = now.matrix @ np.linalg.inv(before.matrix)
@@ -103,7 +103,7 @@ def _changed_pieces(
     arrays: SurfaceArrays,
     settings: Settings,
 ) -> Ints:
-    """Pieces of cut faces where there is another density or shape than before."""
+    """Refined faces whose density or shape changed."""
     names = _densities(settings)
     now = _pieces(masked, arrays, names)
     same = np.isin(now, _pieces(before, old, names))
@@ -113,7 +113,7 @@ def _changed_pieces(
         alike &= (_of_faces(old, name) == _of_faces(arrays, name)).all(axis=1)
     parents = before.pieces[0][~_is_plain(before)]
     alike[parents] = False
-    same |= _is_plain(masked) & alike[masked.pieces[0]]  # it is merely cut otherwise
+    same |= _is_plain(masked) & alike[masked.pieces[0]]  # only the refinement differs
     return np.flatnonzero(~same).astype(np.int32)
 
 
@@ -125,7 +125,7 @@ def _of_faces(arrays: SurfaceArrays, name: str) -> Floats:
 
 
 def _is_plain(masked: MaskedSurface) -> NDArray[np.bool_]:
-    """Which pieces (m,) have the density that the face had before it was cut."""
+    """Which refined faces (m,) have the density of their original face."""
     parents, corners = masked.pieces
     values = np.einsum("mkc,mc->mk", corners, masked.own_density[parents])
     found: NDArray[np.bool_] = np.isclose(masked.corner_density(), values, atol=0.0).all(axis=1)
@@ -133,15 +133,13 @@ def _is_plain(masked: MaskedSurface) -> NDArray[np.bool_]:
 
 
 def _pieces(masked: MaskedSurface, arrays: SurfaceArrays, names: list[str]) -> NDArray[np.uint64]:
-    """Numbers (m,) that are the same where a piece lies at the same place of the same face that was
-    read, with the same density of all and of object types with values of these names.
-    """
+    """Numbers (m,) that are equal for refined faces with the same place and densities."""
     parents, corners = masked.pieces
     count = len(parents)
     places = arrays.vertices[arrays.faces[parents]].reshape(count, 9)
     densities = [masked.corner_density(name) for name in ("", *names)]
     rows = np.concatenate([corners.reshape(count, 9), places, *densities], axis=1)
-    bits = (rows + 0.0).view(np.uint64)  # there is a -0.0 too
+    bits = (rows + 0.0).view(np.uint64)  # removes -0.0
     odd = 2 * np.random.default_rng(1).integers(2**62, size=1 + bits.shape[1], dtype=np.uint64) + 1
     mixed = parents.astype(np.uint64) * odd[0]
     for column, factor in zip(bits.T, odd[1:], strict=True):
@@ -151,7 +149,7 @@ def _pieces(masked: MaskedSurface, arrays: SurfaceArrays, names: list[str]) -> N
 
 
 def edited_faces(before: PreviousResult, arrays: SurfaceArrays, masked: MaskedSurface) -> Ints:
-    """Faces at which points were placed, moved or removed by hand."""
+    """Faces at which points were added, moved or removed by hand."""
     if before.edited is None or not len(before.edited):
         return np.empty(0, dtype=np.int32)
     places = before.edited @ arrays.matrix[:3, :3].T + arrays.matrix[:3, 3]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several classes of points: how many each gets, their room, arguments."""
+"""Several classes of points: their counts, their clearance, arguments for the package."""
 
 from dataclasses import replace
 from typing import Any
@@ -14,16 +14,16 @@ from ..surface.arrays import Floats, Ints
 from .locked import Locked
 
 MOST_POINTS = 20_000_000
-_PACKED = 0.55  # of the surface that discs of different sizes cover without overlapping, about
+_PACKED = 0.55  # share of the surface that discs of different sizes can cover
 
 
 def class_counts(settings: Settings) -> list[int]:
-    """Points of each class: those it counts itself, the rest of the count by largest remainders.
+    """Points of each class: exact counts, and the rest of the total by largest remainders.
 
-    Where every class counts its points, their sum takes the place of the count.
+    If every class has an exact count, their sum replaces the total.
 
     Raises:
-        ScatterError: the classes count more points than there are.
+        ScatterError: the exact counts exceed the total.
     """
     counts = [kind.count for kind in settings.object_types]
     shares = [0.0 if kind.count else kind.weight for kind in settings.object_types]
@@ -46,19 +46,19 @@ def class_counts(settings: Settings) -> list[int]:
 
 
 def counted(surface: Any, settings: Settings) -> Settings:
-    """The settings with the count that points per area make on a dapple.Surface.
+    """The settings with the count from points per area on a dapple.Surface.
 
     Raises:
-        ScatterError: they make more points than anyone can want.
+        ScatterError: the count is too large.
     """
     return with_area(settings, surface.capacity) if settings.per_area else settings
 
 
 def with_area(settings: Settings, capacity: float) -> Settings:
-    """The settings with the count that points per area make on a surface of such a capacity.
+    """The settings with the count from points per area on a surface of this capacity.
 
     Raises:
-        ScatterError: they make more points than anyone can want.
+        ScatterError: the count is too large.
     """
     count = round(settings.per_area * capacity)
     if count > MOST_POINTS:
@@ -70,8 +70,9 @@ def with_area(settings: Settings, capacity: float) -> Settings:
 
 
 def shrunk(settings: Settings, surface: Any) -> Settings:
-    """The settings with the discs of classes that may shrink, so that all fit on a dapple.Surface;
-    their instances have less room then.
+    """The settings with smaller discs of shrinkable classes, so that all fit on a dapple.Surface.
+
+    Their instances get less clearance.
     """
     if not any(kind.shrinks for kind in settings.object_types):
         return settings
@@ -95,7 +96,7 @@ def shrunk(settings: Settings, surface: Any) -> Settings:
 
 
 def wanted_counts(masked: MaskedSurface, settings: Settings) -> list[int]:
-    """How many points each class is to have; one class if there are no object types."""
+    """The number of points that each class should have; one class if there are no object types."""
     sized = counted(masked.surface, shrunk(settings, masked.surface))
     return class_counts(sized) or [sized.count]
 
@@ -103,12 +104,12 @@ def wanted_counts(masked: MaskedSurface, settings: Settings) -> list[int]:
 def sampled(
     masked: MaskedSurface, settings: Settings, context: Any, locked: Locked | None = None
 ) -> Any:
-    """dapple.Samples of one class, or of those that the settings list, on the ground's surface.
+    """dapple.Samples of one class, or of the classes in the settings.
 
     Locked points come first in their class.
 
     Raises:
-        ScatterError: more points of a class are locked than it has.
+        ScatterError: a class has fewer points than are locked.
     """
     options = settings.sample_options()
     counts = wanted_counts(masked, settings)
@@ -123,7 +124,7 @@ def sampled(
 
 
 def tracked(masked: MaskedSurface, samples: Any, settings: Settings) -> Any:
-    """A dapple.Tracker on the ground that keeps the classes even by themselves and together."""
+    """A dapple.Tracker that keeps the classes even, each by itself and together."""
     options = settings.tracker_options() | of_classes(masked, samples, settings)
     return package().Tracker(masked.surface, samples, **options)
 
@@ -136,8 +137,10 @@ def resumed_on(
     settings: Settings,
     anywhere: bool,
 ) -> None:
-    """Take a tracker to another ground, at these coarse vertices; samples are those of the last
-    frame and of the first one there. They may go anywhere, or only where the density pushes them.
+    """Move a tracker to another surface, at these refined vertices.
+
+    The samples are those of the last frame and of the first frame there. They can move freely, or
+    only where the density pushes them.
     """
     now, first = samples
     classes = of_classes(masked, now, settings)
@@ -147,10 +150,10 @@ def resumed_on(
 
 
 def of_classes(masked: MaskedSurface, samples: Any, settings: Settings) -> dict[str, Any]:
-    """The option `classes` of what moves dapple.Samples over the ground; nothing for one class.
+    """The option `classes` for functions that move dapple.Samples; empty for one class.
 
     Raises:
-        ScatterError: samples are of a class that the settings do not list.
+        ScatterError: samples have a class that is not in the settings.
     """
     if not settings.object_types:
         return {}
@@ -161,7 +164,7 @@ def of_classes(masked: MaskedSurface, samples: Any, settings: Settings) -> dict[
 def classes_of(
     masked: MaskedSurface, settings: Settings, counts: list[int], locked: list[Any] | None = None
 ) -> list[Any]:
-    """A dapple.SampleClass for each class that the settings list, with so many samples."""
+    """A dapple.SampleClass with its count for each class in the settings."""
     kinds = shrunk(settings, masked.surface).object_types
     return [
         package().SampleClass(
@@ -182,14 +185,14 @@ def _counts_of(classes: Ints, settings: Settings) -> list[int]:
 
 
 def largest_scale(scale: float, growth: float, density_scale: float) -> float:
-    """Of instances with a random scale up and a scale by density."""
+    """Largest scale of instances with a random scale and a scale by density."""
     return abs(scale) * (1.0 + growth) * max(1.0, 1.0 - density_scale)
 
 
 def clearances(points: Floats, classes: Ints, settings: Settings) -> Floats:
-    """Half the distance (n,) to the nearest point of the same class, at most what the class says.
+    """Half the distance (n,) to the nearest point of the same class, limited by the class.
 
-    So instances that are as large do not overlap others of their class. 0: not known.
+    Instances of this radius do not overlap others of their class. 0 if unknown.
     """
     found = np.zeros(len(points))
     for kind in np.unique(classes):

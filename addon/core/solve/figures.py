@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a result came about and how its spacings lie, as lists small enough to be stored with it."""
+"""Convergence and spacing of a result, as lists that are small enough to be stored with it."""
 
 import json
 from dataclasses import dataclass
@@ -11,24 +11,24 @@ from ..base.native import package
 from ..surface.arrays import Floats
 
 BINS = 24
-_MOST, _MOST_GAP = 100_000, 2**31  # energies, and points of a bin: more cannot be
-FARTHEST = 1.2  # of the local spacing: the last bin's end
+_MOST, _MOST_GAP = 100_000, 2**31  # limits for the number of energies and for a bin
+FARTHEST = 1.2  # end of the last bin, relative to the local spacing
 
 
 @dataclass(frozen=True)
 class Details:
-    """Of one optimization."""
+    """Energies and spacings of one optimization."""
 
     energies: tuple[float, ...] = ()  # normalized, at the start and after each iteration
-    gaps: tuple[int, ...] = ()  # points by the distance to their nearest, in BINS up to FARTHEST
+    gaps: tuple[int, ...] = ()  # histogram of the distance to the nearest point, up to FARTHEST
 
     def text(self) -> str:
-        """As it is stored."""
+        """The text that is stored."""
         return json.dumps({"energies": self.energies, "gaps": self.gaps})
 
 
 def details_from(text: str) -> Details:
-    """From what text() has written; nothing where it is something else."""
+    """The details stored in a text; empty if it is invalid."""
     try:
         stored = json.loads(text)
         found = Details(tuple(map(float, stored["energies"])), tuple(map(int, stored["gaps"])))
@@ -40,7 +40,7 @@ def details_from(text: str) -> Details:
 
 
 def details_of(samples: Any, density: Floats) -> Details:
-    """Of dapple.Samples with this density (n,) at each."""
+    """The details of dapple.Samples with a density (n,) at each."""
     report = samples.report
     distances = package().nearest_distances(samples.positions) * np.sqrt(density)
     distances = distances / max(report.spacing, 1e-300)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keep Points: a solution from the one before, so that points stay and little moves.
+"""Keep Points: a solution that starts from the previous one, so that few points move.
 
-Where it is known what has changed, only the points there are relaxed, and all others keep every
-byte. A count that is exact then asks for points elsewhere too: these come and go over the whole
-surface, as do all where nothing is known of the solution before.
+If it is known what has changed, only the points near changes are relaxed and all others keep every
+byte. If the count is exact, points must then appear or vanish elsewhere as well: they do so over
+the whole surface. Without knowledge of the previous solution all points may move.
 """
 
 from dataclasses import replace
@@ -36,14 +36,14 @@ from .relaxation import (
 )
 from .solve import Scattered, Solved, point_columns, report_of
 
-KEEPING = {"count", "per_area", "density", "forward"}  # settings that may be others than before
-_SPARE_POINTS, _SPARE = 2, 0.001  # points by area that may be missing, in all and as a share
-_EFFORT = ("evaluations", "milliseconds", "converged")  # figures that are no measure of points
+KEEPING = {"count", "per_area", "density", "forward"}  # settings that may have changed
+_SPARE_POINTS, _SPARE = 2, 0.001  # tolerated deviation of points per area: absolute and relative
+_EFFORT = ("evaluations", "milliseconds", "converged")  # figures that do not depend on the points
 _OVERLAP = ("worst_overlap", "overlap_first", "overlap_second")
 
 
 def keeps(settings: Settings, changed: list[str], same_faces: bool) -> bool:
-    """Whether points can be kept at all: on the same faces, of the same classes and seed."""
+    """Whether points can be kept: same faces, object types and seed."""
     return same_faces and KEEPING.issuperset(changed)
 
 
@@ -54,19 +54,19 @@ def kept(
     context: Any,
     locked: Locked | None,
 ) -> Scattered:
-    """The points relaxed where something has changed.
+    """Relax the points near changes.
 
-    They may be more or fewer than the exact count asks for: see is_whole. They are not measured.
+    Their number may differ from the exact count: see is_whole. They are not measured.
 
     Raises:
-        ScatterError: more points are locked than there shall be.
+        ScatterError: more points are locked than there should be.
     """
     arrays = cut_alike(before.solved, arrays)
     with named(arrays.name):
         like = before.solved.masked if before.solved else None
         masked = masked_surface_of(arrays, settings, context, like)
         if locked is not None:
-            locked.of_classes(wanted_counts(masked, settings))  # an error if they are more
+            locked.of_classes(wanted_counts(masked, settings))  # ScatterError if too many
         given, changed = carried_points(before, arrays, masked, settings)
         edited = edited_faces(before, arrays, masked)
         if settings.object_types:
@@ -86,8 +86,9 @@ def kept(
 
 
 def as_placed(solved: Solved, before: Ints, binding: Binding, ids: Ints, classes: Ints) -> Solved:
-    """A solution of points with the ids `before`, with the points that are there once some were
-    placed by hand: those that were not keep all that is known of them.
+    """A solution of the points `before`, updated for points that were edited by hand.
+
+    Points that were not edited keep everything that is known of them.
     """
     masked, coarse = solved.masked, solved.masked.to_original(solved.samples)
     found = samples_of(binding, masked.original, ids, classes)
@@ -110,9 +111,9 @@ def _extent(solved: Solved) -> float:
 
 
 def is_whole(scattered: Scattered, before: PreviousResult | None = None) -> bool:
-    """Whether there are as many points as there have to be: exactly, or about so many by area.
+    """Whether the number of points is right: exactly, or approximately for points per area.
 
-    By area, those that were placed or removed by hand may be too many or too few.
+    For points per area, edits by hand may add or remove points.
     """
     solved, settings = scattered.solved, scattered.settings
     assert solved is not None
@@ -127,7 +128,7 @@ def is_whole(scattered: Scattered, before: PreviousResult | None = None) -> bool
 
 
 def evened(before: Scattered, context: Any, locked: Locked | None) -> Scattered:
-    """The points with the exact count, even over the whole surface."""
+    """Correct the count and even out the points on the whole surface."""
     solved, settings = before.solved, before.settings
     assert solved is not None
     masked, arrays = solved.masked, solved.arrays
@@ -144,7 +145,7 @@ def evened(before: Scattered, context: Any, locked: Locked | None) -> Scattered:
 
 
 def measured(scattered: Scattered, context: Any) -> Scattered:
-    """With the figures of all points."""
+    """The result with the figures of all points."""
     solved = scattered.solved
     assert solved is not None
     masked, samples = solved.masked, solved.samples
@@ -161,7 +162,7 @@ def measured(scattered: Scattered, context: Any) -> Scattered:
 
 
 def _with_ids_of(given: Any, found: Any, masked: MaskedSurface) -> Any:
-    """As many samples as before with the same ids: new ones take those of which went."""
+    """Samples with the previous ids; new points reuse the ids of removed ones."""
     gone = np.setdiff1d(given.ids, found.ids)
     new = ~np.isin(found.ids, given.ids)
     if not len(gone) or len(gone) != new.sum():
@@ -181,7 +182,7 @@ def _scattered(
     settings: Settings,
     locked: Locked | None,
 ) -> Scattered:
-    """What is stored of the samples; those that stay keep all that they had."""
+    """The columns of the samples; points that stay keep all of theirs."""
     samples = masked.to_original(fine)
     old, stays = old_rows(given, fine), staying(given, fine)
     columns = point_columns(samples.ids, samples.classes, settings.seed)
@@ -207,7 +208,7 @@ def _scattered(
 def _with_directions(
     before: Binding, after: Binding, old: Ints, stays: NDArray[np.bool_], arrays: SurfaceArrays
 ) -> Binding:
-    """The binding of points that stay is what it was; others keep directions as they slide."""
+    """The binding; points that stay keep theirs, others keep their direction while they slide."""
     found = after.with_rows(stays, before.rows_at(old[stays]))
     slid = (old >= 0) & ~stays
     if slid.any():
@@ -218,7 +219,7 @@ def _with_directions(
 
 
 def _around(bindings: list[Binding], arrays: SurfaceArrays) -> Ints:
-    """The faces that the normals at bound points depend on."""
+    """The faces that determine the normals at bound points."""
     used = np.zeros(len(arrays.vertices), dtype=bool)
     for binding in bindings:
         used[binding.corners] = True

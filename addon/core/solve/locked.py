@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Locked points: those that stay where they are while the others are spread around them."""
+"""Locked points, which keep their place while the others are arranged around them."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,14 +13,14 @@ from ..surface.arrays import Floats, Ints
 
 @dataclass(frozen=True)
 class Locked:
-    """Points that an artist has placed, or wants to keep."""
+    """Points that an artist has placed or wants to keep."""
 
-    positions: Floats  # (k, 3) in world space; the nearest places of the surface are taken
+    positions: Floats  # (k, 3) in world space; moved to the nearest place of the surface
     ids: Ints  # (k,)
     classes: Ints  # (k,)
 
     def of_classes(self, counts: list[int]) -> list["Locked | None"]:
-        """Those of each class; of classes that there are no more, in the last one.
+        """The locked points of each class; those of removed classes belong to the last one.
 
         Raises:
             ScatterError: a class has fewer points than are locked.
@@ -48,7 +48,7 @@ class Locked:
 
 
 def rows_of(locked: Locked, classes: Ints) -> Ints:
-    """Rows (k,) of locked points among samples of these classes, and in the order of the rows."""
+    """Rows (k,) of locked points among samples of these classes, in the order of the rows."""
     counts = np.bincount(classes)
     begin = np.concatenate([[0], np.cumsum(counts)])
     groups = locked.of_classes(counts.tolist())
@@ -58,9 +58,9 @@ def rows_of(locked: Locked, classes: Ints) -> Ints:
 
 
 def kept_ids(locked: Locked, classes: Ints) -> Ints:
-    """Ids (n,) of samples of these classes: locked points have their own, others what is left.
+    """Ids (n,) of samples of these classes: locked points keep theirs, others get the rest.
 
-    A copy of a locked point gets an id of its own.
+    A copy of a locked point gets a new id.
     """
     groups = locked.of_classes(np.bincount(classes).tolist())
     wanted = np.concatenate([one.ids for one in groups if one is not None])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points evened out near a change, as many as there have to be."""
+"""Points evened out near a change, with the right count."""
 
 from typing import Any
 
@@ -13,15 +13,15 @@ from ..surface.arrays import Floats, Ints
 from .class_counts import classes_of, sampled, wanted_counts
 from .locked import Locked
 
-_ROUGH = 5e-4  # tolerance of classes while they are shown before their counts are right
-_HANDFUL = 3  # points that come or go at a place without many others giving way
-_RINGS = 3.0  # spacings around those points, within which others make room for them
-_YIELDS = 0.015  # of its area, by which a point gives way to others that come or go
-_FEW = 0.02  # of the points that move, which may be too many or too few where they are
-_TRIES = 4  # to have no point where the density is 0
-_STRANDED = 0.5  # of all points: where more have no density any more, all are placed anew
-_MOST = 1.0  # of all points: where more have to come from elsewhere, all are placed anew
-_MANY = 0.05  # of all points: where more have to come from elsewhere, all are moved at once
+_ROUGH = 5e-4  # tolerance of classes before their counts are corrected
+_HANDFUL = 3  # points that can appear or vanish at a place without moving many others
+_RINGS = 3.0  # distance in spacings within which others make room for them
+_YIELDS = 0.015  # share of its area that a point gives up for others
+_FEW = 0.02  # tolerated deviation of the count, relative to the moving points
+_TRIES = 4  # attempts to have no point where the density is 0
+_STRANDED = 0.5  # share of points without density above which all are placed again
+_MOST = 1.0  # share of missing points above which all are placed again
+_MANY = 0.05  # share of missing points above which all are moved at once
 
 
 def relaxed(
@@ -65,7 +65,7 @@ def classes_relaxed(
     context: Any,
     locked: Locked | None,
 ) -> Any:
-    """Several classes where something has changed; anew where that is everywhere."""
+    """Relax several classes near changes; solve again if everything changed."""
     if len(changed) == len(masked.surface.faces) or not len(given):
         return sampled(masked, settings, context, locked)
     if locked is None and _stranded(masked, given) > _STRANDED:
@@ -87,7 +87,7 @@ def classes_relaxed(
 def with_counts(
     masked: MaskedSurface, given: Any, settings: Settings, context: Any, locked: Locked | None
 ) -> Any:
-    """Several classes, each with its count and even over the whole surface."""
+    """Several classes with the right counts, even over the whole surface."""
     return package().relax(
         masked.surface,
         given,
@@ -100,7 +100,7 @@ def with_counts(
 
 
 def _stranded(masked: MaskedSurface, given: Any) -> float:
-    """Share of the points that are where the density is 0 now."""
+    """Share of the points at which the density is now 0."""
     if not len(given):
         return 0.0
     return float((masked.corner_density()[given.faces] == 0.0).all(axis=1).mean())
@@ -109,9 +109,7 @@ def _stranded(masked: MaskedSurface, given: Any) -> float:
 def without_zero_density(
     masked: MaskedSurface, found: Any, settings: Settings, context: Any, locked: Locked | None
 ) -> Any:
-    """The points without those where the density is 0, and others in their place; locked ones stay
-    anywhere.
-    """
+    """Replace points where the density is 0, except locked ones."""
     for _ in range(_TRIES):
         left = masked.density_at(found) == 0.0
         left[locked_rows(found, locked)] = False
@@ -125,7 +123,7 @@ def without_zero_density(
 
 
 def _missing_points(masked: MaskedSurface, given: Any, changed: Ints) -> float:
-    """About how many more points the changed faces need to be as dense as all others."""
+    """Estimated number of points that the changed faces need."""
     corners = masked.surface.vertices[masked.surface.faces]
     sides = corners[:, 1:] - corners[:, :1]
     areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
@@ -144,10 +142,11 @@ def evened_around(
     context: Any,
     locked: Locked | None,
 ) -> Any:
-    """As many points as there are, even around these faces.
+    """Even out the same number of points around these faces.
 
-    Points come and go there first: neighbors alone would leave a ring where several were removed.
-    Then as many go or come, if they are many among so many around that each gives way by little.
+    Points first appear and vanish there, since neighbors alone would leave a ring around removed
+    points. Then as many points vanish or appear elsewhere if the neighbors have to change only a
+    little for it.
     """
 
     def relaxed(samples: Any, where: Ints, count: int | None, rows: Ints) -> Any:
@@ -179,7 +178,7 @@ def _distances_from(masked: MaskedSurface, samples: Any, faces: Ints) -> Floats:
 def resampled(
     masked: MaskedSurface, given: Any, settings: Settings, context: Any, locked: Locked | None
 ) -> Any:
-    """All points made even, as many as there have to be; none of them stays but the locked ones."""
+    """Even out all points with the right count; only locked points stay."""
     options, wanted = settings.sample_options(), _wanted(masked, settings)
     rows = locked_rows(given, locked)
     return package().resample(
@@ -188,18 +187,18 @@ def resampled(
 
 
 def _wanted(masked: MaskedSurface, settings: Settings) -> int:
-    """Points of one class."""
+    """Number of points of a single class."""
     return wanted_counts(masked, settings)[0]
 
 
 def locked_rows(samples: Any, locked: Locked | None) -> Ints:
-    """Rows of the samples that are locked."""
+    """Rows of the locked samples."""
     ids = np.empty(0, dtype=np.int32) if locked is None else locked.ids
     return np.flatnonzero(np.isin(samples.ids, ids)).astype(np.int32)
 
 
 def old_rows(given: Any, found: Any) -> Ints:
-    """Rows (n,) that samples had before; -1 for new ones."""
+    """Previous rows (n,) of samples; -1 for new ones."""
     order = np.argsort(given.ids)
     place = np.searchsorted(given.ids, found.ids, sorter=order)
     rows = order[np.minimum(place, len(order) - 1)] if len(order) else np.zeros(len(found), int)
@@ -208,7 +207,7 @@ def old_rows(given: Any, found: Any) -> Ints:
 
 
 def staying(given: Any, found: Any) -> NDArray[np.bool_]:
-    """Which samples (n,) are where they were."""
+    """Which samples (n,) have not moved."""
     rows = old_rows(given, found)
     there = rows >= 0
     there[there] = (found.positions[there] == given.positions[rows[there]]).all(axis=1)

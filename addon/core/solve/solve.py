@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One frame solved: calls of the native package, arrays in and bindings out."""
+"""One frame solved: calls of the native package with arrays, results as bindings."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -29,21 +29,21 @@ class Report:
     alpha_mean: float = 0.0
     capacity_variation: float = 0.0
     whole_count_variation: float = 0.0  # share caused by integer counts on separate parts
-    thin_share: float = 0.0  # of the points: those on parts thinner than the spacing
-    doubled_faces: int = 0  # of the surface, which do not count
+    thin_share: float = 0.0  # share of the points on parts thinner than the spacing
+    doubled_faces: int = 0  # faces of the surface that do not count
     evaluations: int = 0
     milliseconds: float = 0.0
     converged: bool = False
-    key_error_max: float = 0.0  # of frames without a key, in spacings; see keys.py
+    key_error_max: float = 0.0  # error on frames without a keyframe, in spacings; see keys.py
     key_error_mean: float = 0.0
-    worst_overlap: float = 0.0  # of instances with radii; 0: none overlap
-    overlap_first: int = -1  # ids of the two points that do most
+    worst_overlap: float = 0.0  # largest overlap of instances with radii; 0 if none overlap
+    overlap_first: int = -1  # ids of these two points
     overlap_second: int = -1
-    overlap_frame: int = 0  # of a bake, in which they do
-    measured: bool = True  # whether spacing and areas are of these points; else of some before
+    overlap_frame: int = 0  # the frame of a bake with this overlap
+    measured: bool = True  # whether spacing and areas belong to the current points
 
     def of_ids(self, ids: Ints) -> "Report":
-        """With ids in place of the rows that the native package returns."""
+        """The report with ids instead of the rows that the native package returns."""
         rows = (self.overlap_first, self.overlap_second)
         first, second = (int(ids[row]) if 0 <= row < len(ids) else -1 for row in rows)
         return replace(self, overlap_first=first, overlap_second=second)
@@ -60,12 +60,12 @@ class Scattered:
     details: Details = field(default_factory=Details)
     settings: Settings = field(default_factory=Settings)  # that it was solved with
     capacity: float = 0.0  # integral of the density over the surface
-    solved: "Solved | None" = None  # what points can be kept with: incremental.py
+    solved: "Solved | None" = None  # input of the next incremental solution
 
 
 @dataclass(frozen=True)
 class Solved:
-    """A solution in the terms of the native package."""
+    """A solution as objects of the native package."""
 
     arrays: SurfaceArrays
     masked: MaskedSurface
@@ -75,7 +75,7 @@ class Solved:
 def scatter(
     arrays: SurfaceArrays, settings: Settings, context: Any, locked: Locked | None = None
 ) -> Scattered:
-    """Scatter points over a surface as it stands, around those that are locked."""
+    """Scatter points over the current surface, around locked ones."""
     with named(arrays.name):
         masked = masked_surface_of(arrays, settings)
         fine = sampled(masked, settings, context, locked)
@@ -101,7 +101,7 @@ def scatter(
 
 
 def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
-    """What each point owns whatever its place."""
+    """Columns that depend on a point's id but not on its place."""
     return {
         "id": ids,
         "dapple_object_type": classes,
@@ -115,7 +115,7 @@ def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
 
 
 def with_own_ids(columns: Columns, new: NDArray[np.bool_], seed: int) -> Columns:
-    """Point columns, the new points with ids that were not there and what hangs on an id."""
+    """Point columns in which new points have new ids."""
     first = int(np.max(columns["id"], initial=-1)) + 1
     ids = np.arange(first, first + int(new.sum()), dtype=np.int32)
     own = point_columns(ids, columns["dapple_object_type"][new], seed)
@@ -132,7 +132,7 @@ def nearest_binding(points: Floats, surface: SurfaceArrays) -> Binding:
 
 
 def report_of(report: Any) -> Report:
-    """The shown part of a dapple.Report."""
+    """The figures of a dapple.Report that are shown."""
     names = ("count", "spacing", "alpha_min", "alpha_mean", "capacity_variation", "evaluations")
     shown = {
         name: getattr(report, name) for name in (*names, "whole_count_variation", "thin_share")
@@ -150,11 +150,11 @@ def report_of(report: Any) -> Report:
 
 @dataclass(frozen=True)
 class Attached:
-    """All points of a scatter, some of them where they were placed."""
+    """All points of a scatter, some of them edited by hand."""
 
     binding: Binding
-    positions: Floats  # (n, 3) in world space; those that were not placed are where they were
-    edited: Floats  # (k, 3) where points were placed, and where they were before
+    positions: Floats  # (n, 3) in world space, unchanged where not edited
+    edited: Floats  # (k, 3) new and previous places of edited points
 
 
 def attached(
@@ -164,9 +164,9 @@ def attached(
     surface: SurfaceArrays,
     forward: str = "NONE",
 ) -> Attached:
-    """Attach the placed points, which are at positions (n, 3), to the nearest places of a surface.
+    """Attach the edited points, which are at positions (n, 3), to the nearest places of a surface.
 
-    Points that were attached before keep their directions as far as the normals let them.
+    Points that were attached before keep their directions as far as the normals allow.
     """
     moved, places = placed & ~unbound(before), positions.copy()
     left, found = before.rows_at(moved), before

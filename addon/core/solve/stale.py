@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Does what is stored still fit what is there? Settings by value, motion by sketches.
+"""Compares what is stored with the current state: settings by value, motion by sketches.
 
-A sketch of a surface is a few sums of its vertices with random signs: cheap to take, small to
-keep for each frame, and some sum changes by about 1 / sqrt(v) of what a vertex moves. It is taken
-in the object's own axes, with its scale: a bake fits an object that was moved or turned as a whole.
+A sketch of a surface consists of a few sums of its vertices with random signs: quick to compute,
+small to store for each frame, and some sum changes by about 1 / sqrt(v) of a vertex's motion. It is
+computed in the object's own axes, with its scale, so moving the object as a whole does not
+invalidate a bake.
 """
 
 import json
@@ -20,28 +21,28 @@ from ..surface.arrays import Floats, SurfaceArrays, turn_of
 from ..surface.records import own_random
 
 SKETCH_SUMS = 3
-# Options that change no solution: of a bake alone, or of no result.
+# Options that do not change a solution.
 _APART = [one.name for one in (*SAMPLE, *MOTION) if one.changes is not Changes.SOLUTION]
 _NAMES = [setting.name for setting in DENSITY if setting.kind in {Kind.VALUES, *DATA_BLOCKS}]
 _COMPARED_ELSEWHERE = [setting.name for setting in DENSITY if setting.kind is Kind.UV_MAP]
 _UNDER = {setting.name: setting.under for setting in DENSITY if setting.under}
-_VERTICES = 4096  # so many are looked at, evenly spread over their indices
-_TOLERANCE = 1e-5  # of the sketched vertices' extent: evaluation on another machine may differ
+_VERTICES = 4096  # number of sketched vertices, evenly spread over their indices
+_TOLERANCE = 1e-5  # relative to the extent, as machines evaluate a little differently
 
 
 def settings_text(settings: Settings | BakeSettings) -> str:
-    """Settings as they are stored with a result."""
+    """Settings as text that is stored with a result."""
     return json.dumps(_plain(settings), sort_keys=True)
 
 
 def changed_settings(stored: str, now: Settings) -> list[str]:
-    """Names of the settings of the solution that are not as stored.
+    """Names of the settings of the solution that differ from the stored ones.
 
-    Those that name data of the file count only as given or not: sources.py compares what they
-    stand for. Those that another setting leaves without effect do not count.
+    For names of data in the file only presence is compared; sources.py compares the content.
+    Settings that have no effect are ignored.
     """
     before, defaults = _read(stored), _plain(Settings())
-    if "count" in before:  # a setting that is not there is newer: solved as with its default
+    if "count" in before:  # a missing setting is newer than the file: it had its default
         before = defaults | before
         if isinstance(before["density"], dict):
             before["density"] = defaults["density"] | before["density"]
@@ -55,7 +56,7 @@ def changed_settings(stored: str, now: Settings) -> list[str]:
 
 
 def changed_baking(stored: str, now: BakeSettings) -> list[str]:
-    """Names of the settings of the bake alone that are not as stored."""
+    """Names of the settings of the bake alone that differ from the stored ones."""
     before = _read(stored)
     return [name for name, value in _plain(now).items() if name in before and before[name] != value]
 
@@ -71,13 +72,13 @@ def _read(stored: str) -> dict[str, Any]:
 
 
 def _plain(settings: Settings | BakeSettings) -> dict[str, Any]:
-    """Settings as JSON holds them."""
+    """Settings as values for JSON."""
     values: dict[str, Any] = _rounded(json.loads(json.dumps(asdict(settings))))
     return values
 
 
 def _rounded(value: Any) -> Any:
-    """With numbers in the single precision in which properties keep them."""
+    """Numbers rounded to the single precision of Blender's properties."""
     if isinstance(value, dict):
         return {name: _rounded(one) for name, one in value.items()}
     if isinstance(value, list):
@@ -86,7 +87,7 @@ def _rounded(value: Any) -> Any:
 
 
 def _of_effect(values: dict[str, Any]) -> dict[str, Any]:
-    """Without what does not change a solution: names, the count beside points per area, ..."""
+    """The values that affect a solution: no names, no count beside points per area, ..."""
     found = dict(values)
     if found.get("per_area"):
         found["count"] = 0
@@ -108,7 +109,7 @@ def _terms(density: dict[str, Any]) -> dict[str, Any]:
 
 
 def _solved_class(kind: Any) -> Any:
-    """Without its names, and without what the size of instances alone comes from."""
+    """The values of an object type that affect a solution."""
     if not isinstance(kind, dict):
         return kind
     own = {name: value for name, value in kind.items() if name != "max_clearance"}
@@ -117,7 +118,7 @@ def _solved_class(kind: Any) -> Any:
 
 
 def sketch(surface: SurfaceArrays) -> Floats:
-    """Sums (SKETCH_SUMS, 3) of the vertices."""
+    """The sketch: sums (SKETCH_SUMS, 3) of the vertices."""
     seen = _seen(surface)
     ids = np.arange(len(seen), dtype=np.int32)
     signs = [np.where(own_random(0, ids, k) < 0.5, -1.0, 1.0) for k in range(SKETCH_SUMS)]
@@ -126,27 +127,27 @@ def sketch(surface: SurfaceArrays) -> Floats:
 
 @dataclass(frozen=True)
 class Sketched:
-    """A surface for moved(), without its arrays."""
+    """A surface for moved() without its arrays."""
 
     sums: Floats
     extent: float
 
 
 def sketched(surface: SurfaceArrays) -> Sketched:
-    """What moved() looks at."""
+    """The part of a surface that moved() compares."""
     seen = _seen(surface)
     extent = float(np.linalg.norm(np.ptp(seen, axis=0))) if len(seen) else 0.0
     return Sketched(sketch(surface), extent)
 
 
 def moved(stored: Floats, surface: SurfaceArrays | Sketched) -> bool:
-    """Whether a surface is not the one that was sketched."""
+    """Whether a surface differs from the sketched one."""
     now = surface if isinstance(surface, Sketched) else sketched(surface)
     return not np.abs(now.sums - stored).max() <= _TOLERANCE * now.extent
 
 
 def _seen(surface: SurfaceArrays) -> Floats:
-    """Some of the vertices, relative to the object's origin and turned back by its rotation."""
+    """Some of the vertices, relative to the object's origin and without its rotation."""
     count = len(surface.vertices)
     chosen = np.unique(np.linspace(0, count - 1, min(count, _VERTICES)).astype(np.int64))
     return (surface.vertices[chosen] - surface.matrix[:3, 3]) @ turn_of(surface.matrix)

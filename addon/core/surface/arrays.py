@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface as it was read: arrays in world space and what identifies them."""
+"""A surface as arrays in world space, and what identifies it."""
 
 import hashlib
 from dataclasses import dataclass, field
@@ -22,21 +22,21 @@ _SHEAR = 1e-5  # of squared lengths and dot products, as in nodes/surface.py
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What a density takes from beside the surface, as of the frame in which it is computed."""
+    """The inputs of a density besides the surface, in the frame in which it is computed."""
 
     uv: Floats | None = None  # (m, 3, 2) texture coordinates of the faces' corners
     image: Floats | None = None  # (rows, columns) >= 0, row 0 at v = 0
-    tiles: tuple[tuple[int, Floats], ...] = ()  # UDIM tiles in its place, by their numbers
+    tiles: tuple[tuple[int, Floats], ...] = ()  # UDIM tiles by number, instead
     camera: Floats | None = None  # (4, 4) world space to clip space
     obstacles: tuple[tuple[Floats, Ints], ...] = ()  # vertices, faces of meshes in world space
-    points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # others' to keep away from
-    radii: Floats = field(default_factory=lambda: np.empty(0))  # (k,) by so much
+    points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # of other scatters
+    radii: Floats = field(default_factory=lambda: np.empty(0))  # (k,) distances to keep from them
     # Meshes and segments (s, 2, 3) that a distance is measured to; a point is a segment too.
     targets: tuple[tuple[Floats, Ints], ...] = ()
     lines: Floats = field(default_factory=lambda: np.empty((0, 2, 3)))
 
     def arrays(self) -> list[NDArray[Any]]:
-        """All of it, for digests."""
+        """All arrays, for digests."""
         meshes = [array for mesh in (*self.obstacles, *self.targets) for array in mesh]
         single = [self.uv, self.image, self.camera, self.points, self.radii, self.lines]
         for number, picture in self.tiles:
@@ -51,7 +51,7 @@ class SurfaceArrays:
     name: str  # of the object, for messages
     vertices: Floats  # (v, 3) in world space
     faces: Ints  # (m, 3), triangulated as of this frame
-    topology: str  # digest of the polygons' corners, the same however quads are cut
+    topology: str  # digest of the polygons' corners; independent of how quads are cut
     matrix: Floats = field(default_factory=lambda: np.eye(4))  # (4, 4) own space to world space
     # Values by name: (v,) of the vertices, (m, 1) of the faces or (m, 3) of the faces' corners.
     weights: dict[str, Floats] = field(default_factory=dict)
@@ -63,9 +63,9 @@ class SurfaceArrays:
     # sharp edges or custom normals; None: those of the vertices, smooth everywhere. They are always
     # there where the object is sheared or scaled by several factors, with lengths to interpolate.
     normals: Floats | None = None
-    rest_parts: int = 1  # so many equal runs of faces may lie on one another there: rest.py
+    rest_parts: int = 1  # number of equal ranges of faces that may overlap there: rest.py
     time: float = 0.0  # frame of the animation, with its fraction
-    # Of values that are not of the vertices, the same however quads are cut.
+    # Digests of values that do not belong to vertices; independent of how quads are cut.
     digests: dict[str, str] = field(default_factory=dict)
 
     @cached_property
@@ -98,7 +98,7 @@ class SurfaceArrays:
 
 
 def is_sheared(matrix: Floats) -> bool:
-    """Whether an object's space is sheared, mirrored or scaled by more than one factor."""
+    """Whether an object's space is sheared, mirrored or scaled by different factors."""
     axes = matrix[:3, :3]
     products = axes.T @ axes
     size = products[0, 0]
@@ -124,7 +124,7 @@ def topology_digest(vertex_count: int, corners: Ints, starts: Ints) -> str:
 def check_same_topology(
     first: SurfaceArrays, later: SurfaceArrays, when: str, remedy: str = REATTACH
 ) -> None:
-    """ScatterError unless both frames have the same polygons; remedy says what to do."""
+    """ScatterError unless both frames have the same polygons; `remedy` is the advice in it."""
     if first.topology == later.topology:
         return
     before, after = len(first.vertices), len(later.vertices)
@@ -136,7 +136,7 @@ def check_same_topology(
 
 
 def is_reordered(one: SurfaceArrays, other: SurfaceArrays) -> bool:
-    """Whether two surfaces have as many vertices and faces, at the same places."""
+    """Whether two surfaces have the same number of vertices and faces, at the same places."""
     if one.vertices.shape != other.vertices.shape or one.faces.shape != other.faces.shape:
         return False
     extent = float(np.abs(one.vertices).max(initial=0.0))
@@ -145,7 +145,7 @@ def is_reordered(one: SurfaceArrays, other: SurfaceArrays) -> bool:
 
 
 def check_unchanged(read: SurfaceArrays, now: SurfaceArrays) -> None:
-    """ChangedError unless the surface is still the one that was read."""
+    """ChangedError unless the current surface is the one that was read."""
     if read.fingerprint != now.fingerprint:
         raise ChangedError(
             f"Surface '{read.name}' changed while it was being optimized: nothing was written"

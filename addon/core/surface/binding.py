@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From samples to bindings and back."""
+"""Conversions between samples and bindings."""
 
 from dataclasses import replace
 from typing import Any
@@ -14,26 +14,26 @@ from .records import Binding, Placed
 
 
 def attached_to(surface: SurfaceArrays, faces: Ints, weights: Floats) -> Binding:
-    """Binding to faces (n,) of a surface, with barycentrics (n, 3); no angle carried yet."""
+    """Binding to faces (n,) of a surface with barycentrics (n, 3) and no angles."""
     corners, loops = surface.faces[faces], surface.face_corners[faces]
     return Binding(corners, np.asarray(weights), np.zeros(len(corners)), loops)
 
 
 def binding_of(samples: Any, surface: SurfaceArrays) -> Binding:
-    """Binding of dapple.Samples of a surface; no angle carried yet."""
+    """Binding of dapple.Samples of a surface, without angles."""
     return attached_to(surface, samples.faces, samples.barycentric)
 
 
 def placed_of(samples: Any, surface: SurfaceArrays) -> Placed:
-    """Where dapple.Samples sit, with the triangles that a key stores."""
+    """Places of dapple.Samples with the triangles that a keyframe stores."""
     return Placed(np.asarray(samples.faces, dtype=np.int32), binding_of(samples, surface))
 
 
 def samples_of(binding: Binding, surface: Any, ids: Ints, classes: Ints) -> Any:
     """dapple.Samples of a stored binding on a dapple.Surface.
 
-    A quad may be cut along its other diagonal now than when the points were bound; points whose
-    triangle is no longer there take the closest place of the surface.
+    A quad may be cut along the other diagonal than when the points were bound. Points whose
+    triangle no longer exists move to the closest place of the surface.
     """
     faces, weights = _matched(binding, surface.faces)
     lost = faces < 0
@@ -45,9 +45,9 @@ def samples_of(binding: Binding, surface: Any, ids: Ints, classes: Ints) -> Any:
 
 
 def rebound(before: Binding, first: SurfaceArrays, surface: SurfaceArrays) -> Binding:
-    """Binding to the places of another surface that are nearest to points bound to the first.
+    """Binding to the nearest places of another surface, for points bound to the first.
 
-    The directions that the points carry are turned as little as the normals ask for.
+    The points' directions are turned as little as the normals allow.
     """
     old = frames(before, first.vertices, shading(first))
     after = bound_nearest(before.positions(first.vertices), surface)
@@ -57,14 +57,14 @@ def rebound(before: Binding, first: SurfaceArrays, surface: SurfaceArrays) -> Bi
 
 
 def bound_nearest(points: Floats, surface: SurfaceArrays) -> Binding:
-    """Binding to the places of a surface that are nearest to points (n, 3)."""
+    """Binding of points (n, 3) to the nearest places of a surface."""
     native = package().Surface(surface.vertices, surface.faces)
     closest = package().project(native, points)
     return attached_to(surface, closest.faces, closest.barycentric)
 
 
 def _matched(binding: Binding, faces: Ints) -> tuple[Ints, Floats]:
-    """Faces (n,) with the binding's corners, -1 where there is none, and their barycentrics."""
+    """Faces (n,) with the binding's corners, -1 if there is none, and their barycentrics."""
     found = faces_with_corners(binding.corners, faces)
     weights = normalized(binding.barycentric)
     order = np.argsort(binding.corners, axis=1)
@@ -74,7 +74,7 @@ def _matched(binding: Binding, faces: Ints) -> tuple[Ints, Floats]:
 
 
 def faces_with_corners(corners: Ints, faces: Ints) -> Ints:
-    """Index of the face with the same three vertices in any order, -1 where there is none."""
+    """Index of the face with the same three vertices in any order, -1 if there is none."""
     wanted, have = np.sort(corners, axis=1), np.sort(faces, axis=1)
     _, label = np.unique(np.concatenate([have, wanted]), axis=0, return_inverse=True)
     label = label.reshape(-1)
@@ -84,7 +84,7 @@ def faces_with_corners(corners: Ints, faces: Ints) -> Ints:
 
 
 def normalized(weights: Floats) -> Floats:
-    """Barycentrics as stored (single precision) -> not negative, sum 1."""
+    """Stored barycentrics (single precision), made nonnegative with sum 1."""
     clipped = np.clip(weights, 0.0, None)
     total = clipped.sum(axis=1, keepdims=True)
     if (total <= 0.0).any():

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tangent frames of bound points, and the turn carried from key to key.
+"""Tangent frames of bound points, and the angle carried from keyframe to keyframe.
 
-The frame of a bound point: z is the normal of the surface as it is shaded there, interpolated from
-the corners of its triangle (flat faces, sharp edges and custom normals make them differ from those
-of the vertices), x the first edge of the triangle, turned as its plane is by the smallest rotation
-that makes it perpendicular to z. (The edge may point along z, where edges meet in a tip; made
-perpendicular to z without that rotation it would swing around there.) It moves with the material,
-so it never pops while a point keeps its triangle. When a key moves the point to another
-triangle, the angle of that key is chosen so that the direction stays: the old direction, carried by
-the material to the new frame, is transported along the surface to the new place (the smallest
+The axis z of a frame is the normal of the surface as it is shaded there, interpolated from the
+corners of the triangle (with flat faces, sharp edges and custom normals they differ from those of
+the vertices). The axis x is the first edge of the triangle, rotated together with the triangle's
+plane by the smallest rotation that makes it perpendicular to z. (Edges that meet in a tip may point
+along z; made perpendicular without that rotation, x would spin there.) The frame moves with the
+material, so it never jumps while a point keeps its triangle. When a keyframe moves the point to
+another triangle, its angle is chosen so that the direction stays: the old direction, moved with the
+material to the new frame, is transported along the surface to the new place (by the smallest
 rotation between both normals, which is parallel transport over a short distance) and measured
 against the new first edge.
 """
@@ -23,8 +23,8 @@ from ..settings.tables import AXES
 from .arrays import Floats, Ints, SurfaceArrays
 from .records import Binding
 
-SMOOTH = 180.0  # degrees: no edge is sharp
-LEAST_HEIGHT = 0.1  # of 1 + the cosine between a triangle and its normal, which may be inside out
+SMOOTH = 180.0  # degrees; no edge is sharp
+LEAST_HEIGHT = 0.1  # least 1 + cosine between a triangle and its normal, which may be opposite
 _TINY = 1e-30
 
 
@@ -69,7 +69,7 @@ def smooth(vertices: Floats, faces: Ints) -> Normals:
 
 
 def shading(surface: SurfaceArrays, faces: Ints | None = None) -> Normals:
-    """Shading normals of a surface, with other faces (m, 3) of it than its own, or some of them."""
+    """Shading normals of a surface, optionally with other faces (m, 3)."""
     if surface.normals is not None:
         return Normals(surface.normals, of_corners=True)
     return smooth(surface.vertices, surface.faces if faces is None else faces)
@@ -85,7 +85,7 @@ def corner_normals(surface: SurfaceArrays) -> Floats:
 
 
 def shaded(surface: SurfaceArrays) -> dict[str, Any]:
-    """The options of a dapple.Surface that is shaded as this one is."""
+    """Options of a dapple.Surface with the same shading."""
     if surface.normals is None:
         return {"sharp_angle": SMOOTH}
     return {"normals": corner_normals(surface)}
@@ -114,7 +114,7 @@ def transport(direction: Floats, normal: Floats, other: Floats) -> Floats:
 
 
 def carried(before: Binding, after: Binding, vertices: Floats, normals: Normals) -> Binding:
-    """after, with the angles that keep the previous directions on these vertices."""
+    """The binding `after` with the angles that keep the previous directions on these vertices."""
     old, new = frames(before, vertices, normals), frames(after, vertices, normals)
     direction = transport(old.direction(before.angle), old.normal, new.normal)
     return replace(after, angle=new.angle(direction))
@@ -132,7 +132,7 @@ def _unit(vectors: Floats) -> Floats:
 def pointing(binding: Binding, surface: SurfaceArrays, forward: str) -> Binding:
     """The binding with angles that turn each point's X axis along an axis of the surface object.
 
-    As far as the surface lets it: the axis is projected onto the surface. NONE leaves the angles.
+    The axis is projected onto the surface. NONE keeps the angles.
     """
     if forward == "NONE":
         return binding

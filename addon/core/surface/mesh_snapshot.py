@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh as it was read, and what a worker makes of that: nothing here needs Blender.
+"""A mesh as it was read, and the arrays that a worker makes from it, without Blender.
 
-Reading has to be done in the main thread, where the artist waits for it; the rest has not.
+Reading has to be done in the main thread, where it blocks the artist; the rest does not.
 """
 
 import hashlib
@@ -31,19 +31,19 @@ class RawMesh:
     starts: Ints  # (p,) first corner of each polygon
     cut: Ints | None = None  # (m, 3) corners of triangles; None: polygons have at most 4 corners
     matrix: Floats = field(default_factory=lambda: np.eye(4))  # own space to world space
-    is_fluid: bool = False  # a metaball: a face is the same only as long as nothing moves
+    is_fluid: bool = False  # a metaball; its faces change whenever something moves
     # Unit normals (c, 3) of the corners, or (p, 3) of the polygons where all of them are flat;
     # None: those of the vertices, smooth everywhere.
     normals: Singles | None = None
     time: float = 0.0  # frame of the animation, with its fraction
 
     def same_place(self, other: "RawMesh") -> bool:
-        """Whether both have the same vertices at the same places."""
+        """Whether both have the same vertex positions."""
         alike = np.array_equal(self.matrix, other.matrix)
         return alike and np.array_equal(self.positions, other.positions)
 
     def same_faces(self, other: "RawMesh") -> bool:
-        """Whether both have the same vertices at the polygons' corners."""
+        """Whether both have the same polygons."""
         if self.is_fluid and not np.array_equal(self.positions, other.positions):
             return False
         alike = len(self.positions) == len(other.positions)
@@ -78,15 +78,15 @@ class RawMesh:
 
     @property
     def is_mirrored(self) -> bool:
-        """Whether its faces look inward in the world as they are stored."""
+        """Whether its matrix mirrors, so that its stored faces point inward in the world."""
         return bool(np.linalg.det(self.matrix[:3, :3]) < 0.0)
 
 
 def world_normals(normals: Singles, matrix: Floats, totals: Ints) -> Floats:
-    """Normals (c, 3) in world space, of the corners or of polygons of totals (p,) corners.
+    """Normals (c, 3) in world space, of corners or of polygons with totals (p,) corners.
 
-    By the cofactors of the matrix, which are there for a scale of 0 too. They are unit vectors in
-    the object's own space, where normals are interpolated.
+    They are transformed by the cofactors of the matrix, which exist for a scale of 0 too. They are
+    unit vectors in the object's own space, where normals are interpolated.
     """
     x, y, z = matrix[:3, :3].T
     cofactors = np.array([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
@@ -104,15 +104,15 @@ def sizes(starts: Ints, corner_count: int) -> Ints:
 def triangle_corners(mesh: RawMesh) -> Ints:
     """Corners (m, 3) of the triangles that Blender cuts the polygons into.
 
-    Of polygons that lie on each other corner by corner the first is cut so, the others like it:
-    faces count once only where their triangles are the same.
+    Polygons that lie on each other corner by corner are cut like the first of them: doubled faces
+    are only recognized if their triangles are the same.
     """
     cut = _blenders_cut(mesh) if mesh.cut is None else mesh.cut
     return cut_alike(mesh.positions, mesh.corners, mesh.starts, cut)
 
 
 def _blenders_cut(mesh: RawMesh) -> Ints:
-    """Of polygons with at most four corners."""
+    """Triangles of polygons with at most four corners."""
     extra = sizes(mesh.starts, len(mesh.corners)) - 3  # triangles beside the first
     first = np.cumsum(extra + 1) - extra - 1
     found = np.empty((len(mesh.starts) + int(extra.sum()), 3), dtype=np.int32)
@@ -126,7 +126,7 @@ def _blenders_cut(mesh: RawMesh) -> Ints:
 
 
 def cut_alike(positions: Singles, corners: Ints, starts: Ints, cut: Ints) -> Ints:
-    """Corners (m, 3) of triangles, those of polygons that lie on others cut like these.
+    """Corners (m, 3) of triangles in which polygons that lie on others are cut alike.
 
     positions (v, 3) of vertices, corners (c,) vertices, starts (p,) first corners of polygons.
     """
@@ -135,7 +135,7 @@ def cut_alike(positions: Singles, corners: Ints, starts: Ints, cut: Ints) -> Int
     if not len(firsts):
         return cut
     found = cut.copy()
-    begins = np.cumsum(totals - 2) - (totals - 2)  # of their triangles
+    begins = np.cumsum(totals - 2) - (totals - 2)  # first triangle of each polygon
     for total in np.unique(totals[firsts]):
         own, other = (these[totals[firsts] == total] for these in (firsts, others))
         steps, rows = (np.arange(count, dtype=np.int32) for count in (total, total - 2))
@@ -155,7 +155,7 @@ def cut_alike(positions: Singles, corners: Ints, starts: Ints, cut: Ints) -> Int
 def _on_each_other(
     places: Singles, starts: Ints, totals: Ints
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Pairs of polygons of more than three corners that may have all places in common."""
+    """Pairs of polygons with more than three corners that may have all corners in common."""
     large = np.flatnonzero(totals > 3)
     none = np.empty(0, dtype=np.int64)
     if len(large) < 2:
@@ -171,8 +171,9 @@ def _on_each_other(
 
 
 def _numbers_of(positions: Singles) -> NDArray[np.uint64]:
-    """A number (v,) for each place, whose sum over a polygon is that of no other one: opposite
-    sides of a cube differ in signs alone.
+    """A number (v,) for each position, whose sums identify polygons.
+
+    Opposite sides of a cube differ only in signs, which plain sums of positions would miss.
     """
     bits = np.ascontiguousarray(positions + np.float32(0.0)).view(np.uint32).astype(np.uint64)
     found = np.zeros(len(bits), dtype=np.uint64)
@@ -182,7 +183,7 @@ def _numbers_of(positions: Singles) -> NDArray[np.uint64]:
 
 
 def _are_turned(there: Singles, here: Singles) -> NDArray[np.bool_]:
-    """Whether polygons (k, n, 3) are the other sides of those of the same corners."""
+    """Whether polygons (k, n, 3) have the same corners in the opposite order."""
     there, here = (
         np.cross(p - p[:, :1], np.roll(p, -1, axis=1) - p[:, :1]).sum(axis=1) for p in (there, here)
     )
@@ -191,7 +192,7 @@ def _are_turned(there: Singles, here: Singles) -> NDArray[np.bool_]:
 
 
 def _bent_inward(corners: Singles) -> NDArray[np.bool_]:
-    """Which quads (q, 4, 3) do not have the line from their first to their third corner inside."""
+    """Quads (q, 4, 3) whose diagonal from the first to the third corner lies outside."""
     second, third, fourth = (corners[:, k] - corners[:, 0] for k in (1, 2, 3))
     sides = np.cross(second, third), np.cross(fourth, third)
     found: NDArray[np.bool_] = np.einsum("qd,qd->q", *sides) > 0.0
@@ -205,11 +206,12 @@ def surface_of_raw(
     uv: Singles | None = None,
     like: SurfaceArrays | None = None,
 ) -> SurfaceArrays:
-    """The surface in world space; uv (c, 2) are texture coordinates of the corners. Polygons that
-    are those of another surface are cut as there.
+    """The surface in world space; uv (c, 2) are texture coordinates of the corners.
+
+    Polygons that equal those of another surface are cut as there.
 
     Raises:
-        ScatterError: values can be no density.
+        ScatterError: values cannot be a density.
     """
     cut = _cut_like(mesh, like)
     around = Surroundings() if around is None else around
@@ -232,7 +234,7 @@ def surface_of_raw(
 
 
 def _cut_like(mesh: RawMesh, like: SurfaceArrays | None) -> Ints:
-    """Corners (m, 3) of the triangles as they face outward."""
+    """Corners (m, 3) of the triangles, facing outward."""
     if like is not None and like.loops is not None and like.topology == mesh.topology:
         return like.loops
     cut = triangle_corners(mesh)
@@ -256,10 +258,10 @@ class RawValues:
     values: NDArray[Any]
 
     def numbers(self, surface: str) -> Floats:
-        """Those (k,) that a density of a surface is multiplied by, colors by their brightness.
+        """The values (k,) that multiply a density; colors count by their brightness.
 
         Raises:
-            ScatterError: one is negative or not finite.
+            ScatterError: a value is negative or not finite.
         """
         found = np.asarray(self.values, dtype=np.float64)
         if found.ndim == 2:
@@ -280,14 +282,14 @@ _PLACES = {"POINT": "vertex", "FACE": "face", "CORNER": "face corner"}
 def placed_values(
     surface: str, values: Iterable[RawValues], starts: Ints, cut: Ints
 ) -> tuple[dict[str, Floats], dict[str, str]]:
-    """Values of a surface, by name: (v,) of vertices, (m, 1) of triangles or (m, 3) of their
-    corners; and digests of those that are not of vertices, the same however quads are cut.
+    """Values of a surface by name, and digests of those that do not belong to vertices.
 
-    Polygons begin at the corners `starts`, `cut` (m, 3) are corners of triangles, polygon after
-    polygon.
+    Values are (v,) of vertices, (m, 1) of triangles or (m, 3) of their corners. The digests do not
+    depend on how quads are cut. Polygons begin at the corners `starts`; `cut` (m, 3) are corners of
+    triangles, polygon after polygon.
 
     Raises:
-        ScatterError: values can be no density.
+        ScatterError: values cannot be a density.
     """
     weights, digests = {}, {}
     for raw in values:
@@ -314,7 +316,7 @@ class RawImage:
 
 
 def image_density(images: Sequence[RawImage], channel: str) -> dict[str, Any]:
-    """What an image, or its UDIM tiles, is to Surroundings; errors as of shade()."""
+    """The fields of Surroundings for an image or its UDIM tiles; errors as in shade()."""
     if not images:
         return {}
     if not images[0].tile:
@@ -329,7 +331,7 @@ def shade(image: RawImage, channel: str) -> Floats:
     """The density of an image (rows, columns): brightness times opacity, or a channel.
 
     Raises:
-        ScatterError: there is none of it, or it is no density.
+        ScatterError: there is no such channel, or it cannot be a density.
     """
     values = _values(image, channel)
     if not values.any():
@@ -345,7 +347,7 @@ def _too_dark(image: RawImage, channel: str) -> ScatterError:
 def _values(image: RawImage, channel: str) -> Floats:
     rows, columns, _ = image.pixels.shape
     values = np.empty((rows, columns))
-    for row in range(rows):  # one by one: in double precision, all channels take much memory
+    for row in range(rows):  # one by one, as all channels in double precision take much memory
         values[row] = _shades(image.pixels[row].astype(np.float64), channel)
     wrong = ~(np.isfinite(values) & (values >= 0.0))
     if wrong.any():
@@ -359,7 +361,7 @@ def _values(image: RawImage, channel: str) -> Floats:
 
 
 def _shades(pixels: Floats, channel: str) -> Floats:
-    """Of pixels (n, channels): one or two are gray, two or four have an opacity."""
+    """Densities of pixels (n, channels): one or two are gray, two or four have an opacity."""
     channels = pixels.shape[1]
     has_opacity, is_colored = channels in (2, 4), channels >= 3
     if channel == "ALPHA":

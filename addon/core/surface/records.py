@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Records: which attributes a scatter and its baked keys store, and under which schema.
+"""The attributes that a scatter and its baked keyframes store, and their schema.
 
-A binding ties each point to the surface by the three vertices of a triangle and barycentric
-coordinates; by the face corners there it finds the normals that the surface is shaded with.
-The points of the scatter object store one binding. Baked keys lie in three meshes without faces:
-one point for each key and point, key after key; one for each triangle; one for each frame.
+A binding attaches each point to the surface by the three vertices of a triangle and barycentric
+coordinates; the face corners there give the normals that the surface is shaded with. The points of
+the scatter object store one binding. Baked keyframes are stored in three meshes without faces: one
+point for each keyframe and point, one for each triangle, one for each frame.
 """
 
 from dataclasses import dataclass, field, replace
@@ -18,10 +18,10 @@ from .arrays import Floats, Ints
 
 SCHEMA = 1
 SCHEMA_KEY = "dapple_schema"
-RESULT_KEY = "dapple_result"  # digest of the points, with the mesh that has them
-# Where points were placed by hand, in the surface's own space, until others are even around them.
+RESULT_KEY = "dapple_result"  # digest of the points, stored with their mesh
+# Where points were edited by hand, in the surface's own space, until others are even around them.
 EDITED_KEY = "dapple_edited"
-PLACED_ATTRIBUTES = {"dapple_placed": "FLOAT_VECTOR"}  # where points were before they are edited
+PLACED_ATTRIBUTES = {"dapple_placed": "FLOAT_VECTOR"}  # positions before editing
 
 # Attribute name -> Blender's type, all on points. Nodes read the names: nodes/bound_point.py.
 ROW_ATTRIBUTES = {
@@ -44,9 +44,9 @@ REST_ATTRIBUTES = {
 # 1 - fade, where points appear or vanish: on each key, and on the points, 1 on those that a bake
 # has added. Nodes read 0 where there is none.
 FADE_ATTRIBUTES = {"dapple_faded": "FLOAT"}
-# How far instances lean off the normal, on each key, where some do (tilt.py).
+# Tilt of instances against the normal, on each keyframe, where there is any (tilt.py).
 TILT_ATTRIBUTES = {"dapple_tilt": "FLOAT_VECTOR"}
-# How much room points have, on each key, where instances are fitted to it (clearance.py).
+# Clearance of points, on each keyframe, where instances are fitted to it (class_counts.py).
 CLEARANCE_ATTRIBUTES = {"dapple_clearance": "FLOAT"}
 TRIANGLE_ATTRIBUTES = {f"dapple_{kind}{k}": "INT" for kind in "vc" for k in range(3)}
 # Where the triangles' corners are on the rest shape, where points are bound to it.
@@ -57,9 +57,9 @@ REST_TRIANGLE_ATTRIBUTES = {
 FRAME_ATTRIBUTES = {
     "dapple_key": "INT",  # the key at or before the frame
     "dapple_since": "INT",  # frames since that key
-    "dapple_span": "INT",  # frames from that key to the next, 0 where none is to be mixed in
-    "dapple_vertices": "INT",  # of the surface
-    **{f"dapple_sketch{k}": "FLOAT_VECTOR" for k in range(3)},  # of its shape, see stale.py
+    "dapple_span": "INT",  # frames from that key to the next; 0: no interpolation
+    "dapple_vertices": "INT",  # number of vertices of the surface
+    **{f"dapple_sketch{k}": "FLOAT_VECTOR" for k in range(3)},  # sketch of its shape, see stale.py
 }
 POINT_ATTRIBUTES = {
     "id": "INT",
@@ -109,11 +109,11 @@ class Binding:
         return np.einsum("nk,nkd->nd", self.barycentric, vertices[self.corners])
 
     def rows_at(self, rows: Any) -> "Binding":
-        """Of some points, by their indices or a mask."""
+        """The binding of some points, selected by indices or a mask."""
         return Binding(*(values[rows] for values in self._arrays()))
 
     def with_rows(self, rows: Any, others: "Binding") -> "Binding":
-        """The same where some points, by their indices or a mask, are bound as others are."""
+        """The binding with some points, selected by indices or a mask, bound as in `others`."""
         copies = [values.copy() for values in self._arrays()]
         for own, other in zip(copies, others._arrays(), strict=True):
             own[rows] = other
@@ -130,7 +130,7 @@ def joined(bindings: list[Binding]) -> Binding:
 
 
 def as_stored(binding: Binding) -> Binding:
-    """A binding as it is read again after it was stored, in single precision."""
+    """A binding in single precision, as it is read again after it was stored."""
     weights, angle = (
         np.asarray(values, dtype=np.float32).astype(np.float64)
         for values in (binding.barycentric, binding.angle)
@@ -192,13 +192,13 @@ def check_columns(columns: Columns, name: str) -> None:
 
 
 def unbound(binding: Binding) -> NDArray[np.bool_]:
-    """Per point whether it has no weights at all, as a vertex has that was added by hand."""
+    """Which points have no weights at all, like vertices that were added by hand."""
     none: NDArray[np.bool_] = (binding.barycentric == 0.0).all(axis=1)
     return none
 
 
 def repeated(ids: Ints) -> NDArray[np.bool_]:
-    """Per point whether one before it has the same id, as of a vertex that was copied by hand."""
+    """Which points have the id of an earlier point, like vertices that were copied by hand."""
     first = np.unique(ids, return_index=True)[1]
     again = np.ones(len(ids), dtype=bool)
     again[first] = False
@@ -216,7 +216,7 @@ def check_ids(ids: Ints, name: str) -> None:
 
 
 def own_random(seed: int, ids: Ints, stream: int) -> Floats:
-    """Numbers in [0, 1) that depend on seed, id and stream alone (SplitMix64)."""
+    """Numbers in [0, 1) that depend only on seed, id and stream (SplitMix64)."""
     mask = (1 << 64) - 1
     start = (seed * 0x9E3779B97F4A7C15 + stream * 0xD1B54A32D192ED03) & mask
     state = ids.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(start)
@@ -224,7 +224,7 @@ def own_random(seed: int, ids: Ints, stream: int) -> Floats:
 
 
 def mixed(state: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Numbers (n,) of which each bit depends on all of the state's (SplitMix64)."""
+    """Numbers (n,) of which each bit depends on all bits of the state (SplitMix64)."""
     state = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     state = (state ^ (state >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return state ^ (state >> np.uint64(31))
@@ -236,6 +236,6 @@ class Placed:
 
     faces: Ints  # (n,) triangles of the surface, as it was cut when it was bound
     binding: Binding
-    faded: Floats | None = None  # (n,) 0 there, 1 not there; None: all are there
-    tilt: Floats | None = None  # (n, 3) see tilt.py; None: none leans
-    clearance: Floats | None = None  # (n,) see clearance.py; None: no instance is fitted to it
+    faded: Floats | None = None  # (n,) 0 exists, 1 does not; None: all exist
+    tilt: Floats | None = None  # (n, 3) see tilt.py; None: no tilt
+    clearance: Floats | None = None  # (n,) see class_counts.py; None: not stored

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Binding to the rest position: for surfaces whose modifiers make other faces in every frame.
+"""Binding to the rest position, for surfaces whose modifiers change the faces in every frame.
 
-A point keeps where it sits on the rest shape, the surface before its modifiers, and one more place
-a little ahead, in the direction that it has on the surface now. A baked key stores both by the
-corners of its triangle on the rest shape.
-
-Mirror and Array lay several faces on one place of the rest shape. They make them run after run, all
-as long; Subdivision keeps the order. So a place also has a part: the number of its run.
+A point stores its place on the rest shape, the surface before its modifiers, and one more place a
+little ahead, in the direction that it has on the surface now. A baked keyframe stores both by the
+corners of its triangle on the rest shape. Mirror and Array place several faces on one place of the
+rest shape. They create ranges of faces of equal length, and Subdivision keeps their order. So a
+place also has a part: the number of its range.
 """
 
 from dataclasses import dataclass, replace
@@ -21,27 +20,27 @@ from .binding import attached_to
 from .frames import frames, shading
 from .records import Binding, Columns
 
-_AHEAD = 0.05  # of the first edge
-_ELSEWHERE = 1e-3  # of the surface's size: a point found so far off was found somewhere else
+_AHEAD = 0.05  # relative to the length of the first edge
+_ELSEWHERE = 1e-3  # relative to the surface's size: a point found farther away is at a wrong place
 _MOST_PARTS = 64
 
 
 @dataclass(frozen=True)
 class AtRest:
-    """Where points sit on a rest shape."""
+    """Places of points on a rest shape."""
 
     columns: Columns  # named as in REST_ATTRIBUTES
-    parts: int  # of the rest shape
+    parts: int  # parts of the rest shape
 
 
 def at_rest(binding: Binding, surface: SurfaceArrays) -> AtRest:
-    """Where points are on the rest shape; ScatterError where several places of it coincide."""
+    """Places of points on the rest shape; ScatterError if several places of it coincide."""
     divided = with_distinct_parts(binding, surface)
     return AtRest(rest_columns(binding, divided), divided.rest_parts)
 
 
 def rest_columns(binding: Binding, surface: SurfaceArrays) -> Columns:
-    """Columns named as in REST_ATTRIBUTES, of points bound to a surface with a rest shape."""
+    """Columns named as in REST_ATTRIBUTES, for points bound to a surface with a rest shape."""
     assert surface.rest is not None
     places, ahead = binding.positions(surface.rest), _ahead(binding, surface.rest, surface)
     parts = _parts(binding, surface)
@@ -49,7 +48,7 @@ def rest_columns(binding: Binding, surface: SurfaceArrays) -> Columns:
 
 
 def bound_at_rest(columns: Columns, surface: SurfaceArrays) -> Binding:
-    """The binding of points to a surface with other faces, by their places on its rest shape."""
+    """Binding of points to a surface with other faces, by their places on the rest shape."""
     assert surface.rest is not None
     places = np.asarray(columns["dapple_rest"], dtype=np.float64)
     found = Shape(surface).nearest(places, np.asarray(columns["dapple_part"]))
@@ -61,14 +60,14 @@ def bound_at_rest(columns: Columns, surface: SurfaceArrays) -> Binding:
 
 
 def rebound_at_rest(binding: Binding, before: SurfaceArrays, after: SurfaceArrays) -> Binding:
-    """The binding to the same places of the rest shape, of points bound to other faces."""
+    """Binding to other faces at the same places of the rest shape."""
     return bound_at_rest(rest_columns(binding, before), after)
 
 
 def with_distinct_parts(binding: Binding, surface: SurfaceArrays) -> SurfaceArrays:
-    """The surface with as few parts of its rest shape as keep the places of these points distinct.
+    """The surface with the fewest parts of its rest shape that keep these points distinct.
 
-    ScatterError where none do.
+    ScatterError if there is no such number.
     """
     first = Shape(surface).elsewhere(binding, surface.vertices)
     if first is None:
@@ -83,12 +82,12 @@ def with_distinct_parts(binding: Binding, surface: SurfaceArrays) -> SurfaceArra
 def _tells_apart(binding: Binding, surface: SurfaceArrays) -> bool:
     try:
         return Shape(surface).elsewhere(binding, surface.vertices) is None
-    except ScatterError:  # a part of it has no area
+    except ScatterError:  # a part has no area
         return False
 
 
 class Shape:
-    """The rest shape of a surface, where places are looked for."""
+    """The rest shape of a surface, in which places are searched."""
 
     def __init__(self, surface: SurfaceArrays) -> None:
         assert surface.rest is not None
@@ -96,7 +95,7 @@ class Shape:
         self._native: dict[int, Any] = {}  # by part
 
     def nearest(self, places: Floats, parts: Ints) -> Binding:
-        """Binding to the places nearest to those on the rest shape, each in its own part."""
+        """Binding to the nearest places on the rest shape, each in its own part."""
         found, weights = np.zeros(len(places), np.int32), np.zeros((len(places), 3))
         for part in np.unique(parts).tolist():
             there = parts == part
@@ -109,7 +108,9 @@ class Shape:
         return attached_to(self._surface, found, weights)
 
     def elsewhere(self, binding: Binding, vertices: Floats) -> str | None:
-        """Which point its rest position puts farthest off, if one is put to another place."""
+        """The point that its rest position puts at the wrong place by the largest distance; None if
+        none.
+        """
         found = self.nearest(binding.positions(self._rest), _parts(binding, self._surface))
         seen = found.positions(vertices) - binding.positions(vertices)
         apart = np.linalg.norm(seen, axis=1)
@@ -144,8 +145,8 @@ def _edges(binding: Binding, vertices: Floats) -> tuple[Floats, Floats]:
 
 
 def _parts(binding: Binding, surface: SurfaceArrays) -> Ints:
-    """Parts (n,) of the points, however the faces are cut: where runs meet, vertices are shared."""
-    first = np.zeros(len(surface.vertices), dtype=np.int32)  # part with the vertex
+    """Parts (n,) of the points, however faces are cut; ranges share vertices where they meet."""
+    first = np.zeros(len(surface.vertices), dtype=np.int32)  # first part with each vertex
     first[surface.faces[::-1].ravel()] = np.repeat(surface.parts[::-1], 3)
     found: Ints = first[binding.corners].max(axis=1, initial=0)
     return found

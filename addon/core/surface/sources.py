@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a result was solved from, by content: digests of values, numbers for shapes and places.
+"""The inputs of a result, by content: digests of values, numbers for shapes and places.
 
-Names are not in it: a picture that is renamed is the same picture. Places are in the axes of
-the surface, so that a scene may be moved as a whole, and compared but for rounding, since another
-machine may evaluate a little otherwise.
+Names are not included: a renamed image is the same image. Places are in the axes of the surface, so
+a scene can be moved as a whole, and are compared with a tolerance, since machines evaluate a little
+differently.
 """
 
 import base64
@@ -20,14 +20,14 @@ from .arrays import Floats, SurfaceArrays, Surroundings, turn_of
 
 # Roles that depend on the frame for most scenes: shapes and places.
 PLACES = ("shape", "scale", "up", "north", "noise", "camera", "obstacles", "targets", "others")
-UNKNOWN = "unknown"  # digest of what cannot be compared any more
-_BLOCKS = 256  # sums that describe a shape: each of neighboring rows
-_TOLERANCE = 1e-5  # of the largest number of a role
+UNKNOWN = "unknown"  # digest of inputs that cannot be compared any more
+_BLOCKS = 256  # number of sums that describe a shape, each over neighboring rows
+_TOLERANCE = 1e-5  # relative to the largest number of a role
 
 
 @dataclass(frozen=True)
 class Sources:
-    """Contents by their roles: the same role is the same input of the solution."""
+    """Contents by role; the same role is the same input of the solution."""
 
     frame: float = 0.0  # of the animation
     capacity: float = 0.0  # integral of the density over the surface; 0: not known
@@ -36,7 +36,7 @@ class Sources:
     moving: tuple[str, ...] = ()  # roles that differ between the frames of a bake
 
     def text(self) -> str:
-        """As it is stored with a result."""
+        """The text that is stored with a result."""
         near = {name: [_packed(one), one.shape[1]] for name, one in self.near.items()}
         return json.dumps(
             {
@@ -51,7 +51,7 @@ class Sources:
 
 
 def sources_from(text: str) -> Sources | None:
-    """What was stored; None where there is nothing that can be read."""
+    """The stored sources; None if the text is invalid."""
     try:
         stored = json.loads(text)
         exact = {str(name): str(digest) for name, digest in stored["exact"].items()}
@@ -74,20 +74,20 @@ def _unpacked(packed: str, width: int) -> Floats:
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a surface is, how it is turned, how large it is."""
+    """Position, rotation and size of a surface."""
 
     center: Floats  # (3,)
     turn: Floats  # (3, 3) its own axes, without scale, as columns
     size: float
 
     def local(self, points: Floats) -> Floats:
-        """Places (n, 3) in the axes of the surface, in its sizes."""
+        """Positions (n, 3) in the axes of the surface, in units of its size."""
         found: Floats = (points - self.center) @ self.turn / self.size
         return found
 
 
 def pose_of(arrays: SurfaceArrays) -> Pose:
-    """Of a surface as it was read."""
+    """The pose of a surface."""
     turn = turn_of(arrays.matrix)
     if not len(arrays.vertices):
         return Pose(arrays.matrix[:3, 3], turn, 1.0)
@@ -107,14 +107,14 @@ class Outline:
 
 
 def outline_of(arrays: SurfaceArrays) -> Outline:
-    """Of a surface as it was read."""
+    """The outline of a surface."""
     pose, linear = pose_of(arrays), arrays.matrix[:3, :3]
     shape = _sums((arrays.vertices - pose.center) @ pose.turn)
     return Outline(arrays.topology, pose, shape, pose.turn.T @ linear, arrays.matrix[:3, 3])
 
 
 def sources_of(arrays: SurfaceArrays, settings: Settings, capacity: float = 0.0) -> Sources:
-    """Of a surface that was read with all that these settings take."""
+    """The sources of a surface that was read with all inputs of the settings."""
     outline = outline_of(arrays)
     values = {
         name: arrays.digests.get(name) or digest_of([one]) for name, one in arrays.weights.items()
@@ -125,13 +125,13 @@ def sources_of(arrays: SurfaceArrays, settings: Settings, capacity: float = 0.0)
 
 
 def joined(own: Sources, nearby: Sources) -> Sources:
-    """Of a surface and of what is around it."""
+    """The sources of a surface and of its surroundings."""
     return replace(own, exact=own.exact | nearby.exact, near=own.near | nearby.near)
 
 
 def surface_sources(outline: Outline, values: dict[str, str], settings: Settings) -> Sources:
-    """Of the surface: its faces, digests of its values by their names, its shape, and how it
-    stands where that counts.
+    """The sources of a surface: faces, digests of values by name, shape, and orientation if it
+    matters.
     """
     density = settings.density
     roles = {role: values[name] for role, name in value_roles(settings).items()}
@@ -141,7 +141,7 @@ def surface_sources(outline: Outline, values: dict[str, str], settings: Settings
 
 
 def _standing(outline: Outline, density: DensitySettings) -> dict[str, Floats]:
-    """How a surface stands in the world, and where the origin of its object is, if it counts."""
+    """The orientation of a surface in the world and the origin of its object, if they matter."""
     pose, found = outline.pose, {}
     in_plan = density.use_distance and density.ignore_height
     if density.use_slope or density.use_height or density.use_aspect or in_plan:
@@ -155,8 +155,9 @@ def _standing(outline: Outline, density: DensitySettings) -> dict[str, Floats]:
 
 
 def on_faces(stored: str, arrays: SurfaceArrays) -> str:
-    """What a solution was solved from, as it is stored, once it is bound to a surface: values at
-    vertices of other faces cannot be compared.
+    """Stored sources of a solution that was bound to another surface.
+
+    Values at vertices of other faces cannot be compared any more.
     """
     before = sources_from(stored)
     if before is None or before.exact.get("faces") == arrays.topology:
@@ -168,7 +169,7 @@ def on_faces(stored: str, arrays: SurfaceArrays) -> str:
 
 
 def is_of_faces(role: str) -> bool:
-    """Whether a role can be compared only on the same faces."""
+    """Whether a role can only be compared on the same faces."""
     return role in ("shape", "density", "blocked", "material", "uv") or role.startswith("class ")
 
 
@@ -181,7 +182,7 @@ def value_roles(settings: Settings) -> dict[str, str]:
 
 
 def around_sources(pose: Pose, around: Surroundings) -> Sources:
-    """Of what a density takes from beside a surface that lies so."""
+    """The sources of a surface's surroundings, relative to its pose."""
     exact, near = {}, {}
     if around.image is not None:
         exact["image"] = digest_of([around.image])
@@ -228,7 +229,7 @@ def _same(role: str, before: Sources, now: Sources) -> bool:
 
 
 def _seen(pose: Pose, camera: Floats) -> Floats:
-    """The part of a camera's matrix that decides where places of the surface are in the picture."""
+    """The part of a camera's matrix that determines the places in the picture."""
     there = np.eye(4)
     there[:3, :3], there[:3, 3] = pose.turn * pose.size, pose.center
     found: Floats = (camera @ there)[[0, 1, 3]]
@@ -236,7 +237,7 @@ def _seen(pose: Pose, camera: Floats) -> Floats:
 
 
 def _sums(rows: Floats) -> Floats:
-    """Sums (k, d) of neighboring rows with fixed random signs: any row that changes is seen."""
+    """Sums (k, d) of neighboring rows with fixed random signs, sensitive to any change."""
     count = len(rows)
     blocks = min(count, _BLOCKS)
     if not blocks:
