@@ -23,19 +23,22 @@ def masked_surface_of(
     context: Any = None,
     like: MaskedSurface | None = None,
     first: SurfaceArrays | None = None,
+    like_arrays: SurfaceArrays | None = None,
 ) -> MaskedSurface:
     """The surface with its density.
 
     Raises ValueError as dapple.Surface does; a dapple.Context can cancel the refinement. A previous
-    surface with the same faces, `like`, saves recomputing what has not changed. If the first frame
-    is given, inputs that belong to the surface are taken from it.
+    surface with the same faces, `like`, saves recomputing what has not changed; more of it if its
+    arrays are given. If the first frame is given, inputs that belong to the surface are taken from
+    it.
     """
-    surface = _measured(
-        arrays,
-        density_of(arrays, settings.density, first),
-        settings.merge_doubled,
-        None if like is None else like.original,
-    )
+    density, merge = density_of(arrays, settings.density, first), settings.merge_doubled
+    original = None if like is None else like.original
+    if original is not None and original.merge_doubled == merge and _is_alike(like_arrays, arrays):
+        values, at = package().density.placed(density)
+        surface = original.with_density(values, density_at=at)
+    else:
+        surface = _measured(arrays, density, merge, original)
     count, around = settings.count, arrays.around
     if settings.per_area:
         count = round(settings.per_area * surface.area)
@@ -71,3 +74,13 @@ def _measured(arrays: SurfaceArrays, density: Floats | None, merge: bool, like: 
     if "normals" in own or not np.array_equal(like.vertices, arrays.vertices):
         like = like.deformed(arrays.vertices, normals=own.get("normals"))
     return like.with_density(values, density_at=at)
+
+
+def _is_alike(before: SurfaceArrays | None, now: SurfaceArrays) -> bool:
+    """Whether two surfaces have the same faces, vertices and shading."""
+    if before is None or (before.normals is None) != (now.normals is None):
+        return False
+    pairs: list[tuple[Any, Any]] = [(before.vertices, now.vertices), (before.faces, now.faces)]
+    if now.normals is not None:
+        pairs += [(before.normals, now.normals), (before.face_corners, now.face_corners)]
+    return all(np.array_equal(one, other) for one, other in pairs)

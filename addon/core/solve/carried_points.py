@@ -57,7 +57,9 @@ def carried_points(
         return masked.from_original(samples), everything
     vertices = _in_pose(solved.arrays, arrays)
     if not (masked.is_cut or solved.masked.is_cut):
-        surface = solved.masked.surface.deformed(vertices)
+        surface = solved.masked.surface
+        if vertices is not solved.arrays.vertices:
+            surface = surface.deformed(vertices)
         changed: Ints = package().changed_faces(surface, masked.surface)
         for name in _densities(settings):
             other = solved.masked.corner_density(name) != masked.corner_density(name)

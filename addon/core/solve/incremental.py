@@ -63,8 +63,10 @@ def kept(
     """
     arrays = cut_alike(before.solved, arrays)
     with named(arrays.name):
-        like = before.solved.masked if before.solved else None
-        masked = masked_surface_of(arrays, settings, context, like)
+        like, like_arrays = None, None
+        if before.solved:
+            like, like_arrays = before.solved.masked, before.solved.arrays
+        masked = masked_surface_of(arrays, settings, context, like, like_arrays=like_arrays)
         if locked is not None:
             locked.of_classes(wanted_counts(masked, settings))  # ScatterError if too many
         given, changed = carried_points(before, arrays, masked, settings)
