@@ -42,11 +42,12 @@ inline constexpr Verb<WindowOptions> kWindowTracker = {"WindowTracker"};
 inline constexpr Verb<StippleOptions> kStippleInks = {"stipple_inks",
                                                       {"max_slide", "stickiness", "method"}};
 inline constexpr Verb<MosaicOptions> kMosaic = {"mosaic"};
+inline constexpr Verb<RemeshOptions> kRemesh = {"remesh", kSample.without};
 inline constexpr Verb<ImageOptions> kRefineImage = {"refine_image"};
 
 inline constexpr std::tuple kVerbs = {kSample,         kResample,      kRelax,       kSampleClasses,
                                       kEvaluateEnergy, kAnalyze,       kTracker,     kPopulation,
                                       kTrackWindow,    kWindowTracker, kStippleInks, kMosaic,
-                                      kRefineImage};
+                                      kRemesh,         kRefineImage};
 
 }  // namespace dapple::python

@@ -63,6 +63,11 @@ bool same_bytes(const Mosaic& a, const Mosaic& b) {
          equal(a.faces, b.faces) && equal(a.sides, b.sides) && equal(a.tiles, b.tiles);
 }
 
+bool same_bytes(const RemeshResult& a, const RemeshResult& b) {
+  return equal(a.vertices, b.vertices) && a.faces == b.faces && a.lines == b.lines &&
+         equal(a.source_faces, b.source_faces) && equal(a.barycentric, b.barycentric);
+}
+
 bool same_bytes(const Stipples& a, const Stipples& b) {
   return equal(a.positions, b.positions) && equal(a.classes, b.classes) && a.radius == b.radius;
 }

@@ -7,6 +7,7 @@
 #include <dapple/mosaic.hpp>
 #include <dapple/planar_sampler.hpp>
 #include <dapple/refine.hpp>
+#include <dapple/remesh.hpp>
 #include <dapple/stipple.hpp>
 #include <invariants.hpp>
 #include <optional>
@@ -35,6 +36,7 @@ auto answer(const Verb& verb) -> std::optional<decltype(verb())> {
 [[nodiscard]] bool same_bytes(const std::vector<Samples>& a, const std::vector<Samples>& b);
 [[nodiscard]] bool same_bytes(const PlanarSamples& a, const PlanarSamples& b);
 [[nodiscard]] bool same_bytes(const Mosaic& a, const Mosaic& b);
+[[nodiscard]] bool same_bytes(const RemeshResult& a, const RemeshResult& b);
 [[nodiscard]] bool same_bytes(const Stipples& a, const Stipples& b);
 [[nodiscard]] bool same_bytes(const Refined& a, const Refined& b);
 

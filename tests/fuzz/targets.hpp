@@ -20,6 +20,7 @@ void fuzz_population(Bytes& bytes);
 void fuzz_planar(Bytes& bytes);
 void fuzz_stipple(Bytes& bytes);
 void fuzz_mosaic(Bytes& bytes);
+void fuzz_remesh(Bytes& bytes);
 void fuzz_decals(Bytes& bytes);
 void fuzz_refine(Bytes& bytes);
 void fuzz_spectrum(Bytes& bytes);
@@ -30,7 +31,7 @@ struct Target {
   void (*run)(Bytes& bytes);
 };
 
-inline constexpr std::array<Target, 14> kTargets = {{{"surface", fuzz_surface},
+inline constexpr std::array<Target, 15> kTargets = {{{"surface", fuzz_surface},
                                                      {"sample", fuzz_sample},
                                                      {"classes", fuzz_classes},
                                                      {"resample", fuzz_resample},
@@ -40,6 +41,7 @@ inline constexpr std::array<Target, 14> kTargets = {{{"surface", fuzz_surface},
                                                      {"planar", fuzz_planar},
                                                      {"stipple", fuzz_stipple},
                                                      {"mosaic", fuzz_mosaic},
+                                                     {"remesh", fuzz_remesh},
                                                      {"decals", fuzz_decals},
                                                      {"refine", fuzz_refine},
                                                      {"spectrum", fuzz_spectrum},

@@ -15,6 +15,7 @@
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
 #include <dapple/refined_samples.hpp>
+#include <dapple/remesh.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
@@ -322,6 +323,7 @@ TEST(Arguments, RefuseTooManyThreads) {
     refused([&] { (void)spectrum({&run, 1}, {.threads = threads}); });
     refused([&] { (void)surface_spectrum(small(), {&pointer, 1}, {.threads = threads}); });
     refused([&] { (void)mosaic(small(), samples, {.threads = threads}); });
+    refused([&] { (void)remesh(small(), 5, {.threads = threads}); });
     refused([&] { (void)Tracker(small(), samples, {.threads = threads}); });
     refused([&] { (void)Population(small(), samples, {.tracker = {.threads = threads}}); });
     refused(

@@ -16,6 +16,7 @@
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
 #include <dapple/relax.hpp>
+#include <dapple/remesh.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
@@ -552,6 +553,11 @@ TEST(Watched, AMosaic) {
   expect_watched([&](Context* context) {
     (void)mosaic(surface, samples, {.grout = 0.01, .thickness = 0.01}, context);
   });
+}
+
+TEST(Watched, ARemesh) {
+  const Surface surface = box(4).surface();
+  expect_watched([&](Context* context) { (void)remesh(surface, 200, {}, context); });
 }
 
 TEST(Watched, Stipples) {

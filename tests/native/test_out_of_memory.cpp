@@ -22,6 +22,7 @@
 #include <dapple/refine_obstacles.hpp>
 #include <dapple/refined_samples.hpp>
 #include <dapple/relax.hpp>
+#include <dapple/remesh.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
@@ -333,6 +334,18 @@ Prepare tiling(int threads) {
   });
 }
 
+Prepare remeshing(int threads) {
+  const Surface surface = box(2).surface();
+  return again([surface, threads](Hash& hash) {
+    RemeshOptions options;
+    options.optimizer.max_evaluations = 3;
+    options.threads = threads;
+    const RemeshResult mesh = remesh(surface, 40, options);
+    hash.add(mesh.vertices);
+    hash.add(mesh.faces);
+  });
+}
+
 Prepare covering(int) {
   const Surface surface = grid(3).surface();
   std::vector<FaceUv> uv;
@@ -506,6 +519,7 @@ constexpr std::array kCases = {
     Case{"Resting", resting},
     Case{"Window", a_window},
     Case{"Mosaic", tiling},
+    Case{"Remesh", remeshing},
     Case{"Decals", covering},
     Case{"Refine", refining},
     Case{"RefineImage", refining_to_a_picture},

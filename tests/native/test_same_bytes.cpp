@@ -6,6 +6,7 @@
 #include <array>
 #include <dapple/mosaic.hpp>
 #include <dapple/relax.hpp>
+#include <dapple/remesh.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/stipple.hpp>
@@ -146,6 +147,13 @@ void hash_mosaic(Hash& hash, int threads) {
   hash.add(tiles.sites);
 }
 
+void hash_remesh(Hash& hash, int threads) {
+  const RemeshResult mesh = remesh(box(3).surface(), 300, {.threads = threads});
+  hash.add(mesh.vertices);
+  hash.add(mesh.faces);
+  hash.add(mesh.source_faces);
+}
+
 struct Case {
   const char* name;
   void (*run)(Hash&, int threads);
@@ -162,6 +170,7 @@ constexpr std::array kCases = {
     Case{"relax_classes", hash_relax_classes},
     Case{"stipple", hash_stipple},
     Case{"mosaic", hash_mosaic},
+    Case{"remesh", hash_remesh},
 };
 
 std::string recorded(const std::string& name) {

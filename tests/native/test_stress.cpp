@@ -19,6 +19,7 @@
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
 #include <dapple/relax.hpp>
+#include <dapple/remesh.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/spectrum.hpp>
@@ -138,6 +139,11 @@ const std::vector<Work>& works() {
       },
       [](const Shared& s, Context* c) {
         return of(mosaic(s.surface, s.samples, MosaicOptions{.grout = 0.01}, c).vertices);
+      },
+      [](const Shared& s, Context* c) {
+        RemeshOptions options;
+        options.optimizer.max_evaluations = 3;
+        return of(remesh(s.surface, 90, options, c).vertices);
       },
       [](const Shared& s, Context* c) { return curvedness(s.surface, 3, c); },
       [](const Shared& s, Context* c) {

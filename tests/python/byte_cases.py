@@ -401,7 +401,7 @@ def plane_classes(run: Run) -> None:
     run.report(samples.report)
 
 
-# --- mosaic, ranks
+# --- mosaic, remesh, ranks
 
 
 TILES = [
@@ -424,6 +424,22 @@ CASES |= {
     "mosaic_box": tiled(BOX, grout=0.02, thickness=0.05, merge=False),
     "mosaic_insets": tiled(TORUS, insets=[0.001 * (k % 10) for k in range(300)]),
     "mosaic_euclidean": tiled(WAVY, cells="euclidean", shortest_edge=0.0),
+}
+
+
+def remeshed(mesh: Mesh, count: int, **options: Any) -> Case:
+    def run_it(run: Run) -> None:
+        found = dapple.remesh(run.surface(mesh), count, threads=run.threads, **options)
+        names = ("vertices", "faces", "source_faces", "barycentric", "features", "lines")
+        run.keep(**{name: getattr(found, name) for name in names})
+
+    return run_it
+
+
+CASES |= {
+    "remesh": remeshed(TORUS, 500),
+    "remesh_box": remeshed(BOX, 300),
+    "remesh_smooth": remeshed(BOX, 300, feature_angle=180),
 }
 
 

@@ -132,6 +132,7 @@ CALLS = {
             b.surface, b.samples.positions, 0.004, edge=0.05, max_faces=20_000_000
         )
     ),
+    "remesh": lambda b: dapple.remesh(b.surface, 20_000, max_evaluations=1000, tolerance=0),
     "mosaic": lambda b: many(lambda: dapple.mosaic(b.surface, b.samples, grout=0.001)),
     "texels": lambda b: many(lambda: dapple.texels(b.surface, b.uv, 4096, 4096)),
     "stipple_inks": lambda b: dapple.stipple_inks(b.image[None], 50_000, **LONG),

@@ -106,6 +106,8 @@ def values():
         "Projection": dapple.project(surface, vertices * 1.1),
         "Energy": dapple.evaluate_energy(surface, samples.positions, samples.faces),
         "Mosaic": dapple.mosaic(surface, samples, grout=0.01),
+        "RemeshResult": dapple.remesh(surface, 120, max_evaluations=3),
+        "RemeshReport": dapple.remesh(surface, 120, max_evaluations=3).report,
         "Texels": dapple.texels(surface, uv, 16, 16),
         "Spectrum": dapple.spectrum(flat.positions, half_width=8),
         "SurfaceSpectrum": dapple.surface_spectrum(surface, samples, radius=1.0, bins=8),

@@ -19,6 +19,7 @@ IN_TWO_THREADS = [
     "stipple_color",
     "plane_torus_density",
     "mosaic",
+    "remesh_box",
     "surface_spectrum",
 ]
 SYSTEMS, RECORDED = same_bytes.read()

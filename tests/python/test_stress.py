@@ -79,6 +79,7 @@ TOGETHER = [  # calls that may be rejected but never crash
     lambda s, rng: dapple.project(s.surface, s.written),
     lambda s, rng: dapple.analyze(s.surface, s.written[:50]),
     lambda s, rng: dapple.mosaic(s.surface, s.samples, grout=0.01),
+    lambda s, rng: dapple.remesh(s.surface, 90, max_evaluations=3),
     lambda s, rng: dapple.sample(dapple.Torus(), 30, **FEW),
     lambda s, rng: dapple.sample(s.plane, int(rng.integers(1, 300)), **FEW),
     lambda s, rng: dapple.evaluate_energy(s.plane, np.abs(s.written[:9, :2])),

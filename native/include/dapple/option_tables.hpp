@@ -9,6 +9,7 @@
 #include <dapple/population.hpp>
 #include <dapple/refine_image.hpp>
 #include <dapple/relax.hpp>
+#include <dapple/remesh.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
@@ -20,6 +21,10 @@ namespace dapple {
 
 constexpr std::array<Choice<Method>, 2> choices_of(Method) {
   return {{{"trust_region", Method::kTrustRegion}, {"line_search", Method::kLineSearch}}};
+}
+
+constexpr std::array<Choice<NonManifold>, 2> choices_of(NonManifold) {
+  return {{{"kept", NonManifold::kKept}, {"cut", NonManifold::kCut}}};
 }
 
 constexpr std::array<Choice<Cells>, 2> choices_of(Cells) {
@@ -286,6 +291,46 @@ inline constexpr std::tuple kRelaxOptions = {
         false}};
 
 constexpr const auto& options_of(const RelaxOptions&) { return kRelaxOptions; }
+
+inline constexpr std::tuple kRemeshOptions = {
+    Option{"seed",
+           &RemeshOptions::seed,
+           {0, kFinite},
+           "",
+           Level::kBasic,
+           "Random seed. Quality does not depend on it."},
+    Option{"feature_angle",
+           &RemeshOptions::feature_angle,
+           {0, 180},
+           "degrees",
+           Level::kBasic,
+           "Edges whose faces' normals differ by more than this are creases, which stay, and so do "
+           "their corners; 180 keeps none."},
+    Option{
+        "non_manifold",
+        &RemeshOptions::non_manifold,
+        {},
+        "",
+        Level::kExpert,
+        "Edges with three or more faces stay as they are, or the faces around them are cut apart."},
+    Group{&RemeshOptions::optimizer},
+    Option{"cells",
+           &RemeshOptions::cells,
+           {},
+           "",
+           Level::kExpert,
+           "Owner of a part of the surface: the nearest site that it is connected to along the "
+           "surface, or the nearest site in space as in the paper."},
+    Option{
+        "threads",
+        &RemeshOptions::threads,
+        {0, kMostThreads},
+        "",
+        Level::kExpert,
+        "Number of threads; 0 uses all processors. The result has the same bytes for any number.",
+        false}};
+
+constexpr const auto& options_of(const RemeshOptions&) { return kRemeshOptions; }
 
 inline constexpr std::tuple kResampleOptions = {
     Option{"seed",

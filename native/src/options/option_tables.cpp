@@ -10,6 +10,7 @@ void check_options(const TrackerOptions& options) { check_ranges(options); }
 void check_options(const PopulationOptions& options) { check_ranges(options); }
 void check_options(const ImageOptions& options) { check_ranges(options); }
 void check_options(const RelaxOptions& options) { check_ranges(options); }
+void check_options(const RemeshOptions& options) { check_ranges(options); }
 void check_options(const ResampleOptions& options) { check_ranges(options); }
 void check_options(const SampleOptions& options) { check_ranges(options); }
 void check_options(const ClassOptions& options) { check_ranges(options); }

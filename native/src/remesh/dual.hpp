@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/context.hpp>
+#include <dapple/restricted_voronoi.hpp>
+#include <span>
+#include <vector>
+
+#include "lines/feature_lines.hpp"
+#include "remesh/violations.hpp"
+
+namespace dapple {
+
+/// The dual of a restricted Voronoi diagram: a vertex for each site, a triangle where three cells
+/// meet.
+struct Dual {
+  std::vector<Face> triangles;                     ///< of sites
+  std::vector<std::array<std::int32_t, 2>> lines;  ///< edges along lines, sorted, lower site first
+  std::vector<Violation> violations;               ///< none: the mesh is as manifold as the surface
+};
+
+/// Lines divide cells into sheets, each of which is to be a disc: triangles then never cross a
+/// line. \param kinds per site \throw Cancelled
+[[nodiscard]] Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sites,
+                           std::span<const SiteKind> kinds, Cells cells,
+                           Context* context = nullptr);
+
+/// Triangles of a polygon of sites, counter-clockwise, with the largest smallest angle.
+void add_triangles(std::span<const std::int32_t> polygon, std::span<const Vec3> positions,
+                   std::vector<Face>& triangles);
+
+}  // namespace dapple

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remesh/measure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <dapple/topology.hpp>
+#include <numbers>
+
+#include "base/parallel.hpp"
+#include "surface/ordered_face.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+/// The smallest angle of a triangle, in degrees; 0 for one without extent.
+double smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const std::array<Vec3, 3> p = {a, b, c};
+  double least = 180.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];
+    least = std::min(least, kDegrees * std::atan2(u.cross(v).norm(), u.dot(v)));
+  }
+  return least;
+}
+
+void measure_angles(RemeshResult& mesh) {
+  RemeshReport& report = mesh.report;
+  double sum = 0.0;
+  std::size_t below = 0;
+  report.smallest_angle = mesh.faces.empty() ? 0.0 : 180.0;
+  for (const auto& [a, b, c] : mesh.faces) {
+    const double angle = smallest_angle(mesh.vertices[as_index(a)], mesh.vertices[as_index(b)],
+                                        mesh.vertices[as_index(c)]);
+    report.smallest_angle = std::min(report.smallest_angle, angle);
+    sum += angle;
+    if (angle < 30.0) ++below;
+  }
+  const double count = std::max<double>(static_cast<double>(mesh.faces.size()), 1.0);
+  report.mean_smallest_angle = sum / count;
+  report.below_30 = static_cast<double>(below) / count;
+}
+
+/// The edges of all triangles, the lower vertex first, and how many of them there are.
+void measure_edges(RemeshResult& mesh) {
+  std::vector<std::array<std::int32_t, 2>> edges;
+  for (const Face& t : mesh.faces)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+      edges.push_back({a, b});
+    }
+  std::ranges::sort(edges);
+  std::vector<std::int32_t> valence(mesh.vertices.size(), 0);
+  std::int32_t distinct = 0;
+  for (std::size_t k = 0, end = 0; k < edges.size(); k = end) {
+    while (end < edges.size() && edges[end] == edges[k]) ++end;
+    ++distinct;
+    if (end - k > 2) ++mesh.report.nonmanifold_edges;
+    for (const std::int32_t v : edges[k]) ++valence[as_index(v)];
+  }
+  std::size_t six = 0, inner = 0;
+  for (std::size_t v = 0; v < valence.size(); ++v) {
+    if (mesh.features[v] != VertexFeature::kFace) continue;
+    ++inner;
+    if (valence[v] == 6) ++six;
+  }
+  mesh.report.valence_6 = inner > 0 ? static_cast<double>(six) / static_cast<double>(inner) : 0.0;
+  mesh.report.euler = static_cast<std::int32_t>(mesh.vertices.size()) - distinct +
+                      static_cast<std::int32_t>(mesh.faces.size());
+}
+
+/// Triangles that face away from the faces that their corners lie on.
+std::size_t count_flipped(const Surface& surface, const RemeshResult& mesh) {
+  const std::vector<Vec3> vertices = surface.vertices();
+  const std::vector<Face> faces = surface.faces();
+  const auto normal_of = [](std::span<const Vec3> points, const Face& t) {
+    return Vec3((points[as_index(t[1])] - points[as_index(t[0])])
+                    .cross(points[as_index(t[2])] - points[as_index(t[0])])
+                    .normalized());
+  };
+  return static_cast<std::size_t>(std::ranges::count_if(mesh.faces, [&](const Face& t) {
+    const Vec3 normal = normal_of(mesh.vertices, t);
+    return std::ranges::all_of(t, [&](std::int32_t v) {
+      const Face& source = faces[as_index(mesh.source_faces[as_index(v)])];
+      return normal.dot(normal_of(vertices, source)) < 0.0;
+    });
+  }));
+}
+
+}  // namespace
+
+void measure_mesh(const Surface& surface, RemeshResult& mesh) {
+  RemeshReport& report = mesh.report;
+  report.vertices = mesh.vertices.size();
+  report.faces = mesh.faces.size();
+  report.corners =
+      static_cast<std::size_t>(std::ranges::count(mesh.features, VertexFeature::kCorner));
+  report.on_lines = report.corners + static_cast<std::size_t>(
+                                         std::ranges::count(mesh.features, VertexFeature::kLine));
+  measure_angles(mesh);
+  measure_edges(mesh);
+  report.flipped = count_flipped(surface, mesh);
+  report.border_loops = -1;
+  if (mesh.faces.empty()) return;
+  SurfaceOptions plain;
+  plain.weld = std::nullopt;
+  report.border_loops = topology(Surface(mesh.vertices, mesh.faces, Density{}, plain)).border_loops;
+}
+
+}  // namespace dapple

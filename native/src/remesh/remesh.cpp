@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <dapple/errors.hpp>
+#include <dapple/remesh.hpp>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "base/parallel.hpp"
+#include "base/progress.hpp"
+#include "base/sets.hpp"
+#include "base/stopwatch.hpp"
+#include "base/validate.hpp"
+#include "remesh/dual.hpp"
+#include "remesh/measure.hpp"
+#include "remesh/site_editor.hpp"
+#include "sample/solve_classes.hpp"
+#include "sample/surface_classes.hpp"
+#include "sample/timed_call.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr int kMendings = 30;                           // rounds of adding sites
+constexpr int kPatience = 6;                            // rounds that mend nothing in total
+constexpr std::size_t kMostTimes = 4, kMostMore = 500;  // most sites, by the count asked for
+constexpr int kDroppings = 3;                           // times that creases are given up
+constexpr int kThinnings = 6;                           // rounds of taking sites away elsewhere
+constexpr int kFreeRings = 3;        // around sites that are gone, which make room
+constexpr int kFewEvaluations = 12;  // after local changes
+constexpr double kSolved = 0.8;      // of the progress
+constexpr double kMended = 0.95;
+
+/// The distance between neighbors where the density is 1, if `count` vertices are spaced evenly:
+/// those on borders have half a cell.
+double unit_spacing(const Surface& surface, double border, std::size_t count) {
+  const auto n = static_cast<double>(count);
+  const double half = 0.25 * border / n, area = 2.0 * surface.capacity() / std::numbers::sqrt3 / n;
+  return half + std::sqrt(half * half + area);
+}
+
+ClassOptions class_options(const RemeshOptions& options) {
+  ClassOptions result;
+  result.sample.seed = options.seed;
+  result.sample.optimizer = options.optimizer;
+  result.sample.cells = options.cells;
+  return result;
+}
+
+/// Finds the sites whose dual is the mesh.
+class Remesher {
+ public:
+  Remesher(const Surface& surface, std::size_t count, const RemeshOptions& options,
+           Context* context)
+      : surface_(surface), count_(count), options_(options), lines_(surface, rules(), context) {}
+
+  void run(Context* context) {
+    Stretch solving(context, 0.0, kSolved), mending(context, kSolved, kMended),
+        thinning(context, kMended, 1.0);
+    solve(solving.context());
+    mend_all(mending.context());
+    for (int k = 0; k < kDroppings && !dual_.violations.empty() && drop_hopeless(); ++k) {
+      solve(mending.context());
+      mend_all(mending.context());
+    }
+    keep_best();
+    for (int k = 0; k < kThinnings && best_sites_.size() > count_ && best_.violations.empty(); ++k)
+      if (!thin(thinning.context())) break;
+  }
+
+  [[nodiscard]] RemeshResult result() const;
+
+ private:
+  [[nodiscard]] LineRules rules() const {
+    return {.feature_angle = options_.feature_angle,
+            .scale = surface_.spacing(count_),
+            .marked = options_.edges};
+  }
+
+  /// Drop creases at which the topology cannot be reached, such as two that touch.
+  bool drop_hopeless() {
+    std::vector<bool> hopeless(lines_.chains().size(), false);
+    const auto mark = [&](std::int32_t chain) {
+      if (chain >= 0) hopeless[as_index(chain)] = true;
+    };
+    for (const Violation& violation : dual_.violations) {
+      mark(sites_.chains[as_index(violation.site)]);
+      if (violation.place.half_edge >= 0) mark(lines_.chain_of(violation.place.half_edge));
+    }
+    const std::size_t dropped = lines_.drop_creases(surface_, hopeless, rules());
+    dropped_lines_ += dropped;
+    return dropped > 0;
+  }
+
+  /// The spacing along lines where the density is 1. Where it varies, lines may lie where it is
+  /// largest; they get no more sites than all together.
+  [[nodiscard]] double line_spacing() const {
+    const double border = metric_length(surface_, lines_, /*borders_only=*/true);
+    return std::max(
+        unit_spacing(surface_, border, count_),
+        metric_length(surface_, lines_, /*borders_only=*/false) / static_cast<double>(count_));
+  }
+
+  void solve(Context* context) {
+    const LineSites on_lines = sites_on_lines(surface_, lines_, line_spacing());
+    SampleClass all{.count = std::max(count_, on_lines.sites.size()), .locked = on_lines.sites};
+    const ClassProblem problem = surface_classes(surface_, {&all, 1}, options_.cells);
+    ClassMinimum found = dapple::solve(problem, class_options(options_), context);
+    evaluations_ += found.minimum.evaluations;
+    converged_ = found.minimum.converged;
+    sites_ = {};
+    sites_.add(found.minimum.state.sites, SiteKind::kFree, -1, false);
+    for (std::size_t k = 0; k < on_lines.sites.size(); ++k) {
+      sites_.kinds[k] = k < on_lines.corners ? SiteKind::kCorner : SiteKind::kLine;
+      sites_.chains[k] = on_lines.chains[k];
+    }
+  }
+
+  /// Space the free sites among the marked ones evenly again.
+  void settle(const std::vector<bool>& moving, Context* context) {
+    const SampleClass all{.count = sites_.size()};
+    const ClassProblem problem = surface_classes(surface_, {&all, 1}, options_.cells);
+    std::vector<bool> locked(sites_.size());
+    for (std::size_t k = 0; k < locked.size(); ++k)
+      locked[k] = sites_.kinds[k] != SiteKind::kFree || !moving[k];
+    OptimizerOptions optimizer = options_.optimizer;
+    optimizer.max_evaluations = std::min(optimizer.max_evaluations, kFewEvaluations);
+    ClassMinimum found = dapple::solve(
+        make_objective(problem, class_of_sites(problem), class_options(options_), locked),
+        sites_.sites, optimizer, context);
+    evaluations_ += found.minimum.evaluations;
+    sites_.sites = std::move(found.minimum.state.sites);
+  }
+
+  void look(Context* context) {
+    const StageSpan looking(context, Stage::kCells);
+    dual_ = dual_of(surface_, lines_, sites_.sites, sites_.kinds, options_.cells, context);
+  }
+
+  /// Add sites until the dual has the topology of the surface.
+  void mend_all(Context* context) {
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    int since = 0;  // rounds without progress
+    const std::size_t most = kMostTimes * count_ + kMostMore;
+    for (int k = 0; k < kMendings && since < kPatience && sites_.size() < most; ++k) {
+      check_context(context);
+      look(nullptr);
+      since = dual_.violations.size() < least ? 0 : since + 1;
+      least = std::min(least, dual_.violations.size());
+      if (dual_.violations.empty() || mend(surface_, lines_, dual_.violations, sites_) == 0) return;
+    }
+    look(nullptr);
+  }
+
+  void keep_best() {
+    const auto worth = [](const Dual& dual, std::size_t sites) {
+      return std::pair(dual.violations.size(), sites);
+    };
+    if (!best_sites_.kinds.empty() &&
+        worth(best_, best_sites_.size()) <= worth(dual_, sites_.size()))
+      return;
+    best_ = dual_;
+    best_sites_ = sites_;
+  }
+
+  /// Take away as many sites as there are too many, where the topology does not need them.
+  bool thin(Context* context) {
+    sites_ = best_sites_;
+    dual_ = best_;
+    const std::vector<Face> triangles = dual_.triangles;
+    const std::size_t before = sites_.size();
+    if (thin_out(dual_, before - count_, sites_) == 0) return false;
+    std::vector<bool> stays(sites_.size());
+    look(nullptr);
+    for (std::size_t k = 0; k < stays.size(); ++k) stays[k] = sites_.pinned[k];
+    stays = widened(dual_.triangles, std::move(stays), 1);
+    stays.flip();
+    settle(stays, context);
+    mend_all(context);
+    const bool better = dual_.violations.empty() && sites_.size() < before;
+    keep_best();
+    return better;
+  }
+
+  const Surface& surface_;
+  std::size_t count_;
+  const RemeshOptions& options_;
+  FeatureLines lines_;
+  RemeshSites sites_, best_sites_;
+  Dual dual_, best_;
+  std::size_t dropped_lines_ = 0;
+  int evaluations_ = 0;
+  bool converged_ = true;
+};
+
+/// Give each fan of triangles its own vertex, connected over edges with two triangles.
+void cut_apart(RemeshResult& mesh) {
+  using Half = std::array<std::int32_t, 3>;  // an edge, and the corner where it starts
+  std::vector<Half> halves;
+  const auto corner_count = static_cast<std::int32_t>(3 * mesh.faces.size());
+  const auto vertex = [&](std::int32_t corner) -> std::int32_t& {
+    return mesh.faces[as_index(corner / 3)][as_index(corner % 3)];
+  };
+  const auto next = [](std::int32_t corner) { return corner - corner % 3 + (corner + 1) % 3; };
+  for (std::int32_t c = 0; c < corner_count; ++c) {
+    const auto [a, b] = std::minmax(vertex(c), vertex(next(c)));
+    halves.push_back({a, b, c});
+  }
+  std::ranges::sort(halves);
+  Sets fans(as_index(corner_count));
+  for (std::size_t k = 0, end = 0; k < halves.size(); k = end) {
+    while (end < halves.size() && halves[end][0] == halves[k][0] && halves[end][1] == halves[k][1])
+      ++end;
+    const std::int32_t c = halves[k][2], d = halves[end - 1][2];
+    if (end - k != 2) continue;
+    const bool opposite = vertex(c) != vertex(d);
+    fans.join(c, opposite ? next(d) : d);
+    fans.join(next(c), opposite ? d : next(d));
+  }
+  std::vector<std::int32_t> root(mesh.vertices.size(), -1), made(as_index(corner_count), -1);
+  for (std::int32_t c = 0; c < corner_count; ++c) {
+    const auto fan = fans.find(c);
+    const auto v = as_index(vertex(c));
+    std::int32_t& number = made[as_index(fan)];
+    if (number < 0 && root[v] < 0) number = root[v] = static_cast<std::int32_t>(v);
+    if (number < 0) {
+      number = static_cast<std::int32_t>(mesh.vertices.size());
+      mesh.vertices.push_back(Vec3(mesh.vertices[v]));
+      mesh.source_faces.push_back(std::int32_t(mesh.source_faces[v]));
+      mesh.barycentric.push_back(Vec3(mesh.barycentric[v]));
+      mesh.features.push_back(VertexFeature(mesh.features[v]));
+    }
+  }
+  std::vector<std::array<std::int32_t, 2>> lines;
+  std::vector<bool> on_line(as_index(corner_count));
+  for (std::int32_t c = 0; c < corner_count; ++c) {
+    const auto [a, b] = std::minmax(vertex(c), vertex(next(c)));
+    on_line[as_index(c)] =
+        std::ranges::binary_search(mesh.lines, std::array<std::int32_t, 2>{a, b});
+  }
+  for (std::int32_t c = 0; c < corner_count; ++c) vertex(c) = made[as_index(fans.find(c))];
+  for (std::int32_t c = 0; c < corner_count; ++c) {
+    const auto [a, b] = std::minmax(vertex(c), vertex(next(c)));
+    if (on_line[as_index(c)]) lines.push_back({a, b});
+  }
+  std::ranges::sort(lines);
+  lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
+  mesh.lines = std::move(lines);
+}
+
+RemeshResult Remesher::result() const {
+  RemeshResult mesh;
+  std::vector<std::int32_t> number(best_sites_.size(), -1);
+  for (const Face& triangle : best_.triangles)
+    for (const std::int32_t v : triangle) number[as_index(v)] = 0;
+  for (std::size_t k = 0; k < number.size(); ++k) {
+    if (number[k] < 0) continue;
+    number[k] = static_cast<std::int32_t>(mesh.vertices.size());
+    mesh.vertices.push_back(best_sites_.sites.positions[k]);
+    mesh.source_faces.push_back(best_sites_.sites.faces[k]);
+    mesh.barycentric.push_back(best_sites_.sites.barycentric[k]);
+    mesh.features.push_back(static_cast<VertexFeature>(best_sites_.kinds[k]));
+  }
+  for (const auto& [a, b, c] : best_.triangles)
+    mesh.faces.push_back({number[as_index(a)], number[as_index(b)], number[as_index(c)]});
+  for (const auto& [a, b] : best_.lines) {
+    const std::int32_t u = number[as_index(a)], v = number[as_index(b)];
+    if (u >= 0 && v >= 0) mesh.lines.push_back({u, v});
+  }
+  std::ranges::sort(mesh.faces);
+  if (options_.non_manifold == NonManifold::kCut) cut_apart(mesh);
+  mesh.report.asked = count_;
+  mesh.report.flaws = best_.violations.size();
+  mesh.report.dropped_lines = dropped_lines_;
+  mesh.report.evaluations = evaluations_;
+  mesh.report.converged = converged_;
+  return mesh;
+}
+
+void check(std::size_t count, const RemeshOptions& options) {
+  check_options(options);
+  if (count == 0) throw ArgumentError("count is 0: it must be >= 1");
+  check_count("count", count);
+}
+
+}  // namespace
+
+RemeshResult remesh(const Surface& surface, std::size_t count, const RemeshOptions& options,
+                    Context* context) {
+  TimedCall call(context);
+  check(count, options);
+  if (context) context->check();
+  RemeshResult mesh = with_threads(options.threads, [&] {
+    Remesher remesher(surface, count, options, call.context());
+    remesher.run(call.context());
+    RemeshResult made = remesher.result();
+    const StageSpan reporting(call.context(), Stage::kReporting);
+    measure_mesh(surface, made);
+    return made;
+  });
+  Report times;
+  call.write(times);
+  mesh.report.seconds = times.seconds;
+  mesh.report.profile = times.profile;
+  if (context) context->advance(1.0);
+  return mesh;
+}
+
+}  // namespace dapple

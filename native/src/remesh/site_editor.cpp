@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remesh/site_editor.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/triangle.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kApart = 0.5;  // of a place's distance from its site: edits that are too close
+constexpr double kFarApart = 4.0;
+constexpr double kAway = 1e-6;  // of the spacing, a place that is no other than its site
+constexpr int kKeptRings = 2;   // around sites that stay
+
+Sites site_at(const Surface& surface, const Place& place) {
+  const OrderedSurface& mesh = surface.ordered();
+  const auto& [a, b, c] = mesh.corners(mesh.ordered_face(place.face));
+  if (const std::int32_t h = place.half_edge; h >= 0) {
+    const std::array<Vec3, 3> p = {mesh.vertex(a), mesh.vertex(b), mesh.vertex(c)};
+    const Vec3 from = p[as_index(h % 3)], along = p[as_index((h + 1) % 3)] - from;
+    const double t = (place.position - from).dot(along) / along.squaredNorm();
+    return point_on_edge(mesh, h, std::clamp(t, 0.0, 1.0));
+  }
+  const Vec3 weights =
+      closest_barycentric(place.position, mesh.vertex(a), mesh.vertex(b), mesh.vertex(c));
+  return {{mesh.point(mesh.ordered_face(place.face), weights)}, {place.face}, {weights}};
+}
+
+/// The point of another chain as far from a corner that it shares with the site's: cells of points
+/// that mirror each other end between the two lines, however acute their angle is. None without
+/// such a corner.
+Sites mirrored(const Surface& surface, const FeatureLines& lines, std::int32_t own,
+               std::int32_t other, const Vec3& site, const Vec3& near) {
+  Sites found;
+  if (own < 0 || other < 0) return found;
+  const LineChain &a = lines.chains()[as_index(own)], &b = lines.chains()[as_index(other)];
+  if (a.closed || b.closed) return found;
+  double least = (near - site).norm();  // from the place that is to be covered
+  for (const std::int32_t v : {a.vertices.front(), a.vertices.back()})
+    for (const bool forward : {true, false}) {
+      if (v != (forward ? b.vertices.front() : b.vertices.back())) continue;
+      const Sites made = point_on_chain(surface.ordered(), b, forward,
+                                        (surface.ordered().vertex(v) - site).norm());
+      if (made.size() == 0 || (made.positions[0] - near).norm() > least) continue;
+      least = (made.positions[0] - near).norm();
+      found = made;
+    }
+  return found;
+}
+
+/// One violation of each site: lines first.
+std::vector<Violation> first_of_each(std::span<const Violation> violations) {
+  std::vector<Violation> sorted(violations.begin(), violations.end());
+  std::ranges::stable_sort(sorted, [](const Violation& a, const Violation& b) {
+    return std::pair(a.site, a.flaw) < std::pair(b.site, b.flaw);
+  });
+  const auto rest = std::ranges::unique(sorted, {}, &Violation::site);
+  sorted.erase(rest.begin(), rest.end());
+  std::ranges::stable_sort(sorted, {}, &Violation::flaw);
+  return sorted;
+}
+
+}  // namespace
+
+void RemeshSites::add(const Sites& more, SiteKind kind, std::int32_t chain, bool pin) {
+  for (std::size_t k = 0; k < more.size(); ++k) {
+    sites.positions.push_back(more.positions[k]);
+    sites.faces.push_back(more.faces[k]);
+    sites.barycentric.push_back(more.barycentric[k]);
+    kinds.push_back(kind);
+    chains.push_back(chain);
+    pinned.push_back(pin);
+  }
+}
+
+void RemeshSites::move(std::size_t site, const Sites& to, SiteKind kind, std::int32_t chain) {
+  sites.positions[site] = to.positions[0];
+  sites.faces[site] = to.faces[0];
+  sites.barycentric[site] = to.barycentric[0];
+  kinds[site] = kind;
+  chains[site] = chain;
+}
+
+std::size_t mend(const Surface& surface, const FeatureLines& lines,
+                 std::span<const Violation> violations, RemeshSites& sites) {
+  struct Edit {
+    Vec3 position;
+    double reach;
+  };
+  std::vector<Edit> edits;
+  // Other flaws may vanish with those at lines.
+  const auto is_near = [&](const Vec3& p, double reach, Flaw flaw) {
+    const double apart = flaw == Flaw::kForeignLine ? kApart : kFarApart;
+    return std::ranges::any_of(edits, [&](const Edit& edit) {
+      return (edit.position - p).norm() < apart * std::max(reach, edit.reach);
+    });
+  };
+  const double least = kAway * surface.spacing(sites.size());
+  for (const Violation& violation : first_of_each(violations)) {
+    const auto site = as_index(violation.site);
+    const bool snaps = violation.flaw == Flaw::kForeignLine && sites.kinds[site] == SiteKind::kFree;
+    // The opposite place: refining a line between two others would not end where these meet.
+    const Place& place = violation.flaw == Flaw::kForeignLine ? violation.nearest : violation.place;
+    const double reach = (place.position - sites.sites.positions[site]).norm();
+    if ((!snaps && reach <= least) || is_near(place.position, reach, violation.flaw)) continue;
+    edits.push_back({place.position, reach});
+    const std::int32_t chain = place.half_edge >= 0 ? lines.chain_of(place.half_edge) : -1;
+    const SiteKind kind = chain >= 0 ? SiteKind::kLine : SiteKind::kFree;
+    if (snaps) {
+      sites.move(site, site_at(surface, place), kind, chain);
+      continue;
+    }
+    Sites made;
+    if (violation.flaw == Flaw::kForeignLine)
+      made = mirrored(surface, lines, sites.chains[site], chain, sites.sites.positions[site],
+                      place.position);
+    if (made.size() == 0) made = site_at(surface, place);
+    sites.add(made, kind, chain, true);
+  }
+  return edits.size();
+}
+
+std::vector<bool> widened(std::span<const Face> triangles, std::vector<bool> marked, int rings) {
+  for (int ring = 0; ring < rings; ++ring) {
+    std::vector<bool> next = marked;
+    for (const auto& [a, b, c] : triangles)
+      if (marked[as_index(a)] || marked[as_index(b)] || marked[as_index(c)])
+        next[as_index(a)] = next[as_index(b)] = next[as_index(c)] = true;
+    marked = std::move(next);
+  }
+  return marked;
+}
+
+std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites) {
+  std::vector<bool> kept(sites.size());
+  std::vector<std::int32_t> valence(sites.size(), 0);
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    kept[k] = sites.pinned[k] || sites.kinds[k] != SiteKind::kFree;
+  kept = widened(dual.triangles, std::move(kept), 1);
+  std::vector<double> areas(sites.size(), 0.0);
+  std::vector<std::vector<std::int32_t>> neighbors(sites.size());
+  for (const Face& t : dual.triangles) {
+    const std::array<Vec3, 3> p = {sites.sites.positions[as_index(t[0])],
+                                   sites.sites.positions[as_index(t[1])],
+                                   sites.sites.positions[as_index(t[2])]};
+    const double area = (p[1] - p[0]).cross(p[2] - p[0]).norm();
+    for (std::size_t k = 0; k < 3; ++k) {
+      areas[as_index(t[k])] += area;
+      neighbors[as_index(t[k])].push_back(t[(k + 1) % 3]);
+      neighbors[as_index(t[k])].push_back(t[(k + 2) % 3]);
+    }
+  }
+  std::vector<std::size_t> order(sites.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return areas[k]; });
+  std::vector<bool> gone(sites.size(), false);
+  std::size_t removed = 0;
+  for (const std::size_t k : order) {
+    if (removed == excess) break;
+    if (kept[k]) continue;
+    gone[k] = true;
+    ++removed;
+    std::vector<std::int32_t> around = {static_cast<std::int32_t>(k)};
+    for (int ring = 0; ring < kKeptRings; ++ring)
+      for (std::size_t j = 0, end = around.size(); j < end; ++j)
+        for (const std::int32_t n : neighbors[as_index(around[j])])
+          if (!kept[as_index(n)] || ring == 0) {
+            kept[as_index(n)] = true;
+            around.push_back(n);
+          }
+  }
+  RemeshSites left;
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    if (!gone[k])
+      left.add({{sites.sites.positions[k]}, {sites.sites.faces[k]}, {sites.sites.barycentric[k]}},
+               sites.kinds[k], sites.chains[k], sites.pinned[k]);
+  sites = std::move(left);
+  return removed;
+}
+
+}  // namespace dapple

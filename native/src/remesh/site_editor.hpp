@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "remesh/dual.hpp"
+
+namespace dapple {
+
+/// The sites of a remesh, with what they may do.
+struct RemeshSites {
+  Sites sites;
+  std::vector<SiteKind> kinds;
+  std::vector<std::int32_t> chains;  ///< of FeatureLines; -1 for those on none, or at corners
+  std::vector<bool> pinned;          ///< added for the topology: it and its surroundings stay
+
+  [[nodiscard]] std::size_t size() const { return sites.size(); }
+  void add(const Sites& more, SiteKind kind, std::int32_t chain, bool pin);
+  void move(std::size_t site, const Sites& to, SiteKind kind, std::int32_t chain);
+};
+
+/// Mend violations: move free sites to the lines that their cells reach, and add sites elsewhere,
+/// at most one for each neighborhood.
+/// \return the number of edits
+std::size_t mend(const Surface& surface, const FeatureLines& lines,
+                 std::span<const Violation> violations, RemeshSites& sites);
+
+/// Remove up to `excess` free sites that are far from pinned sites, lines and each other.
+/// \return number of sites removed
+std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites);
+
+/// Per site, whether it is within `rings` edges of a marked one.
+[[nodiscard]] std::vector<bool> widened(std::span<const Face> triangles, std::vector<bool> marked,
+                                        int rings);
+
+}  // namespace dapple

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <dapple/errors.hpp>
+#include <dapple/projector.hpp>
+#include <dapple/remesh.hpp>
+#include <dapple/topology.hpp>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "shapes.hpp"
+#include "throws.hpp"
+
+namespace dapple::test {
+namespace {
+
+using Edge = std::array<std::int32_t, 2>;
+
+Topology topology_of(const RemeshResult& mesh) {
+  SurfaceOptions plain;
+  plain.weld = std::nullopt;
+  return topology(Surface(mesh.vertices, mesh.faces, Density{}, plain));
+}
+
+/// Vertices - edges + faces of a manifold surface without loose vertices.
+std::int32_t euler_of(const Topology& topology) {
+  return 2 * topology.components - 2 * topology.genus - topology.border_loops;
+}
+
+double area_of(const RemeshResult& mesh) {
+  double sum = 0.0;
+  for (const auto& [a, b, c] : mesh.faces) {
+    const Vec3& p = mesh.vertices[static_cast<std::size_t>(a)];
+    sum += 0.5 * (mesh.vertices[static_cast<std::size_t>(b)] - p)
+                     .cross(mesh.vertices[static_cast<std::size_t>(c)] - p)
+                     .norm();
+  }
+  return sum;
+}
+
+/// What holds for each mesh, whatever the surface is.
+void expect_consistent(const Surface& surface, const RemeshResult& mesh) {
+  const std::size_t count = mesh.vertices.size();
+  ASSERT_EQ(mesh.source_faces.size(), count);
+  ASSERT_EQ(mesh.barycentric.size(), count);
+  ASSERT_EQ(mesh.features.size(), count);
+  EXPECT_EQ(mesh.report.vertices, count);
+  EXPECT_EQ(mesh.report.faces, mesh.faces.size());
+  const double size = surface.spacing(1);
+  for (std::size_t k = 0; k < count; ++k) {
+    ASSERT_GE(mesh.source_faces[k], 0);
+    ASSERT_LT(mesh.source_faces[k], static_cast<std::int32_t>(surface.face_count()));
+    EXPECT_GE(mesh.barycentric[k].minCoeff(), 0.0);
+    EXPECT_NEAR(mesh.barycentric[k].sum(), 1.0, 1e-9);
+    const Vec3 there = surface.point(mesh.source_faces[k], mesh.barycentric[k]);
+    EXPECT_LE((there - mesh.vertices[k]).norm(), 1e-9 * size);
+  }
+  std::set<std::int32_t> used;
+  for (const Face& face : mesh.faces) {
+    EXPECT_EQ((std::set<std::int32_t>(face.begin(), face.end()).size()), 3u);
+    for (const std::int32_t v : face) {
+      ASSERT_GE(v, 0);
+      ASSERT_LT(v, static_cast<std::int32_t>(count));
+      used.insert(v);
+    }
+  }
+  EXPECT_EQ(used.size(), count);
+}
+
+class RemeshShapes : public testing::TestWithParam<Shape> {};
+INSTANTIATE_TEST_SUITE_P(All, RemeshShapes, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
+
+TEST_P(RemeshShapes, HasTheTopologyOfTheSurface) {
+  const Surface surface = GetParam().surface();
+  const RemeshResult mesh = remesh(surface, 150);
+  expect_consistent(surface, mesh);
+  if (GetParam().name.starts_with("ZeroAreaFaces")) return;  // faces meet across ones without area
+  EXPECT_EQ(mesh.report.flaws, 0u);
+  const Topology before = topology(surface);
+  if (!before.manifold) return;
+  const Topology after = topology_of(mesh);
+  EXPECT_TRUE(after.manifold);
+  EXPECT_EQ(after.components, before.components);
+  EXPECT_EQ(after.border_loops, before.border_loops);
+  EXPECT_EQ(after.genus, before.genus);
+  EXPECT_EQ(mesh.report.euler, euler_of(before));
+}
+
+TEST_P(RemeshShapes, IsManifoldIfCutApart) {
+  const Surface surface = GetParam().surface();
+  RemeshOptions options;
+  options.non_manifold = NonManifold::kCut;
+  const RemeshResult mesh = remesh(surface, 150, options);
+  expect_consistent(surface, mesh);
+  EXPECT_EQ(mesh.report.nonmanifold_edges, 0u);
+}
+
+TEST(Remesh, HasExactlyAsManyVerticesAsAsked) {
+  for (const std::size_t count : {100u, 333u, 1000u})
+    EXPECT_EQ(remesh(blob(4).surface(), count).vertices.size(), count);
+}
+
+TEST(Remesh, MakesGoodTriangles) {
+  const RemeshResult mesh = remesh(icosphere(4).surface(), 1000);
+  EXPECT_GT(mesh.report.smallest_angle, 33.0);
+  EXPECT_GT(mesh.report.mean_smallest_angle, 53.0);
+  EXPECT_GT(mesh.report.valence_6, 0.8);
+  EXPECT_EQ(mesh.report.flipped, 0u);
+}
+
+TEST(Remesh, KeepsCornersAndCreasesOfACube) {
+  const Surface surface = box(4).surface();
+  const RemeshResult mesh = remesh(surface, 500);
+  EXPECT_EQ(mesh.vertices.size(), 500u);
+  EXPECT_EQ(mesh.report.corners, 8u);
+  EXPECT_NEAR(area_of(mesh), 6.0, 1e-9);  // so no triangle crosses a crease
+  std::set<std::array<double, 3>> corners;
+  for (std::size_t k = 0; k < mesh.vertices.size(); ++k)
+    if (mesh.features[k] == VertexFeature::kCorner)
+      corners.insert({mesh.vertices[k][0], mesh.vertices[k][1], mesh.vertices[k][2]});
+  EXPECT_EQ(corners.size(), 8u);
+}
+
+TEST(Remesh, MakesTwelveTrianglesOfTheCornersOfACube) {
+  const RemeshResult mesh = remesh(box(1).surface(), 8);
+  EXPECT_EQ(mesh.vertices.size(), 8u);
+  EXPECT_EQ(mesh.faces.size(), 12u);
+  EXPECT_NEAR(area_of(mesh), 6.0, 1e-12);
+}
+
+TEST(Remesh, CutsCornersIfNoCreaseIsKept) {
+  RemeshOptions options;
+  options.feature_angle = 180.0;
+  const RemeshResult mesh = remesh(box(4).surface(), 500, options);
+  EXPECT_EQ(mesh.report.on_lines, 0u);
+  EXPECT_LT(area_of(mesh), 6.0 - 1e-3);
+}
+
+TEST(Remesh, KeepsBordersWhereTheyAre) {
+  const RemeshResult mesh = remesh(grid(6).surface(), 200);
+  EXPECT_EQ(mesh.report.corners, 4u);
+  EXPECT_EQ(mesh.report.border_loops, 1);
+  EXPECT_NEAR(area_of(mesh), 1.0, 1e-12);
+}
+
+TEST(Remesh, KeepsMarkedEdges) {
+  const Shape shape = grid(4);  // 5 x 5 vertices, row after row
+  RemeshOptions options;
+  for (std::int32_t k = 0; k < 4; ++k) options.edges.push_back({5 * k + 2, 5 * k + 7});
+  const Surface surface = shape.surface();
+  const Vec3 first = shape.vertices[2], last = shape.vertices[22];
+  const RemeshResult mesh = remesh(surface, 200, options);
+  const Vec3 along = (last - first).normalized();
+  const auto side = [&](std::int32_t v) {
+    const Vec3 at = mesh.vertices[static_cast<std::size_t>(v)] - first;
+    const double s = along.cross(at)[2];
+    return std::abs(s) < 1e-12 ? 0 : s > 0.0 ? 1 : -1;
+  };
+  for (const Face& face : mesh.faces) {
+    const auto [low, high] = std::minmax({side(face[0]), side(face[1]), side(face[2])});
+    EXPECT_FALSE(low < 0 && high > 0) << "a triangle crosses the marked edges";
+  }
+}
+
+TEST(Remesh, NamesAMarkedEdgeThatIsNone) {
+  RemeshOptions options;
+  options.edges = {{0, 1}, {0, 24}};
+  expect_message<ArgumentError>([&] { std::ignore = remesh(grid(4).surface(), 100, options); },
+                                {"edges[1] is (0, 24): no face has this edge"});
+}
+
+TEST(Remesh, RefusesNoVertices) {
+  expect_message<ArgumentError>([&] { std::ignore = remesh(grid(4).surface(), 0); },
+                                {"count is 0: it must be >= 1"});
+}
+
+TEST(Remesh, LinesAreEdgesOfTheMesh) {
+  const RemeshResult mesh = remesh(box(4).surface(), 300);
+  std::set<Edge> edges;
+  for (const Face& t : mesh.faces)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+      edges.insert({a, b});
+    }
+  double length = 0.0;
+  for (const Edge& line : mesh.lines) {
+    EXPECT_TRUE(edges.contains(line));
+    length += (mesh.vertices[static_cast<std::size_t>(line[0])] -
+               mesh.vertices[static_cast<std::size_t>(line[1])])
+                  .norm();
+  }
+  EXPECT_NEAR(length, 12.0, 1e-12);
+}
+
+TEST(Remesh, FollowsTheDensity) {
+  const Shape shape = with_density(grid(8), [](const Vec3& p) { return p[0] < 0.5 ? 1.0 : 4.0; });
+  const RemeshResult mesh = remesh(shape.surface(), 600);
+  const auto right = std::ranges::count_if(mesh.vertices, [](const Vec3& p) { return p[0] > 0.5; });
+  EXPECT_GT(right, 400);
+}
+
+TEST(Remesh, IsTheSameForAnyNumberOfThreads) {
+  const Surface surface = blob(3).surface();
+  RemeshOptions one, many;
+  one.threads = 1;
+  many.threads = 5;
+  const RemeshResult a = remesh(surface, 400, one), b = remesh(surface, 400, many);
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.faces, b.faces);
+}
+
+TEST(Remesh, StopsWhenCancelled) {
+  Context context;
+  context.cancel();
+  EXPECT_THROW(std::ignore = remesh(blob(3).surface(), 400, {}, &context), Cancelled);
+}
+
+}  // namespace
+}  // namespace dapple::test

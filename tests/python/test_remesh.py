@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""dapple3d.remesh: meshes made of the cells of sites."""
+
+import dapple3d as dapple
+import numpy as np
+import pytest
+import shapes
+
+
+def cube() -> dapple.Surface:
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = [t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))]
+    return dapple.Surface(corners, np.array(faces))
+
+
+def edges_of(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Edges, the lower vertex first, and the number of triangles of each."""
+    sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    return np.unique(sides, axis=0, return_counts=True)
+
+
+def test_has_the_vertices_that_were_asked_for():
+    made = dapple.remesh(dapple.Surface(*shapes.torus(24, 12)), 500)
+    assert len(made) == made.report.vertices == 500
+    assert made.report.euler == 0
+    assert made.report.flaws == made.report.nonmanifold_edges == made.report.flipped == 0
+    assert set(edges_of(made.faces)[1]) == {2}
+
+
+def test_vertices_lie_where_their_faces_say():
+    surface = dapple.Surface(*shapes.torus(24, 12))
+    made = dapple.remesh(surface, 300)
+    corners = surface.vertices[surface.faces[made.source_faces]]
+    found = (corners * made.barycentric[:, :, None]).sum(axis=1)
+    np.testing.assert_allclose(found, made.vertices, atol=1e-12)
+
+
+def test_a_cube_keeps_its_corners_and_its_volume():
+    made = dapple.remesh(cube(), 400)
+    assert (made.features == 2).sum() == made.report.corners == 8
+    a, b, c = np.moveaxis(made.vertices[made.faces], 1, 0)
+    assert abs((a * np.cross(b, c)).sum() / 6 - 1) < 1e-12
+
+
+def test_eight_vertices_make_a_cube():
+    made = dapple.remesh(cube(), 8)
+    assert len(made) == 8
+    assert len(made.faces) == 12
+
+
+def test_faces_of_the_result_form_a_surface_again():
+    made = dapple.remesh(cube(), 300)
+    again = dapple.remesh(dapple.Surface(made.vertices, made.faces), 200)
+    assert len(again) == 200
+    assert again.report.corners == 8
+
+
+def test_marked_edges_stay():
+    vertices, faces = shapes.grid(4)
+    surface = dapple.Surface(vertices, faces)
+    middle = np.flatnonzero(np.isclose(vertices[:, 0], np.median(vertices[:, 0])))
+    order = middle[np.argsort(vertices[middle, 1])]
+    rows = np.stack([order[:-1], order[1:]], axis=1)
+    made = dapple.remesh(surface, 200, edges=rows)
+    beyond = made.vertices[made.faces, 0] - vertices[middle[0], 0]
+    beyond[np.abs(beyond) < 1e-9] = 0
+    assert not ((beyond > 0).any(axis=1) & (beyond < 0).any(axis=1)).any()
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"edges": [[0, 99]]}, r"edges\[0\] is \(0, 99\): no face has this edge"),
+        ({"edges": [0, 1]}, "edges has the shape"),
+        ({"feature_angle": 181}, "feature_angle is 181"),
+        ({"non_manifold": "gone"}, "non_manifold is 'gone'"),
+        ({"count": 0}, "count is 0"),
+    ],
+)
+def test_names_what_is_wrong(given, message):
+    with pytest.raises(ValueError, match=message):
+        dapple.remesh(cube(), **{"count": 50, **given})
+
+
+def test_stops_when_cancelled():
+    context = dapple.Context()
+    context.cancel()
+    with pytest.raises(dapple.Cancelled):
+        dapple.remesh(cube(), 50, context=context)
+
+
+def test_tells_its_report_as_a_dict():
+    report = dapple.remesh(cube(), 50).report
+    told = report.to_dict()
+    assert told["vertices"] == report.vertices
+    assert told["profile"] == report.profile
+    assert abs(sum(report.profile.values()) - report.seconds) < 1e-6
