@@ -91,7 +91,7 @@ _FACES = (
         "merge_doubled",
         Kind.SWITCH,
         True,
-        "Merge Doubled Faces",
+        "Merge Doubled",
         "Faces that lie on each other corner by corner count as one, whichever way they are "
         "turned. Otherwise each gets points of its own",
     ),
