@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What has other contents than when a result was solved, and what only moves."""
+"""Inputs whose content has changed since a result was solved, and inputs that only move."""
 
 import bpy
 
@@ -20,9 +20,9 @@ from ..scatter.object import settings_changed, settings_of
 
 
 def solution_reason(obj: bpy.types.Object, now: Sources) -> str:
-    """Why a solution is not that of the settings and contents now; empty when it is.
+    """Why a solution does not belong to the current settings and inputs; empty if it does.
 
-    What is on a later frame as it is because it moves is no reason.
+    Inputs that differ because they are animated are no reason.
     """
     names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
     if names and obj.dapple.solved_settings:
@@ -37,13 +37,13 @@ def solution_reason(obj: bpy.types.Object, now: Sources) -> str:
 
 
 def solved_time(obj: bpy.types.Object) -> float | None:
-    """The time of the animation at which a result was solved; None where it is not known."""
+    """The time of the animation at which a result was solved; None if it is not known."""
     before = sources_from(obj.dapple.solved_from)
     return None if before is None else before.frame
 
 
 def contents(obj: bpy.types.Object, now: Sources) -> tuple[list[str], str]:
-    """What has other contents than when the result was solved; what is only so in this frame."""
+    """Reasons for inputs that have changed, and a note of inputs that differ only in this frame."""
     baked = bool(obj.dapple.baked_keys)
     before = sources_from(obj.dapple.baked_from if baked else obj.dapple.solved_from)
     if before is not None:
@@ -74,7 +74,7 @@ def _unknown(before: Sources) -> str:
 
 
 def frozen_note(obj: bpy.types.Object) -> str:
-    """What moved during a bake while the density was that of its first frame; empty: nothing."""
+    """Inputs that moved during a bake that used the density of its first frame; empty if none."""
     roles = obj.dapple.baked_frozen.split()
     if not roles:
         return ""
@@ -112,7 +112,7 @@ def _listed(roles: list[str]) -> str:
 
 
 def _change_note(obj: bpy.types.Object, role: str) -> str:
-    """That a role has other contents."""
+    """Message that an input has changed."""
     settings, surface = settings_of(obj), obj.dapple.surface.name
     named = value_roles(settings)
     if role == "material":
@@ -142,7 +142,7 @@ def _change_note(obj: bpy.types.Object, role: str) -> str:
 
 
 def other_surface(obj: bpy.types.Object) -> str:
-    """Whether points are played on another surface than the one that is chosen."""
+    """Message that the points belong to another surface than the chosen one; empty if not."""
     modifier = scatter_modifier(obj)
     if modifier is None or not has_input(modifier, "Surface"):
         return ""

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel says of a result without waiting for it: whether it fits, what is on the disk.
+"""What the panel shows of a result: whether it is up to date, and files of unfinished bakes.
 
-Drawing only shows what was found last. Handlers note what changed; once nothing has changed for a
-moment, an app timer looks again, at what changed alone. While nothing changes nothing is done, but
-for a picture: Blender has no handler for changed pixels. In background mode there is no timer, and
-what is asked for is found at once.
+Drawing only shows the last known state. Handlers note changes; once nothing has changed for a
+moment, an app timer checks only what has changed. Images are checked regularly, since Blender has
+no handler for changed pixels. In background mode there is no timer, and the state is found at once.
 """
 
 import time

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is there now, to be compared with what a result was solved from.
+"""The current scene, to be compared with the inputs of a result.
 
-Each part is read when it is asked for and kept until it is forgotten, so that looking again after
-a change costs no more than what changed.
+Each part is read on demand and kept until it is marked as changed, so a check after a change only
+reads what changed.
 """
 
 from collections.abc import Callable
@@ -40,11 +40,11 @@ POINTS, KEYS = "points", "keys"
 
 @dataclass(frozen=True)
 class SurfaceSummary:
-    """A surface as it is now, without its arrays."""
+    """The current surface without its arrays."""
 
     name: str
     vertices: int
-    trouble: str  # why no points can be on it, in English; empty: they can
+    trouble: str  # why it cannot have points, in English; empty if it can
     empty: bool  # whether it has no faces
     outline: Outline
     sketched: Sketched
@@ -52,12 +52,12 @@ class SurfaceSummary:
 
 @dataclass
 class SceneSnapshot:
-    """What is there now for one scatter, as far as it was asked for."""
+    """The current inputs of one scatter, as far as they were read."""
 
-    parts: dict[str, tuple[Any, Any]] = field(default_factory=dict)  # what it was asked with, found
+    parts: dict[str, tuple[Any, Any]] = field(default_factory=dict)  # name: (version, value)
 
     def forget(self, *names: str) -> None:
-        """Have these parts be read again."""
+        """Read these parts again when they are needed."""
         for name in names:
             self.parts.pop(name, None)
 
@@ -67,7 +67,7 @@ class SceneSnapshot:
         return self._kept(SURFACE, surface.session_uid, lambda: _summarize(surface))
 
     def sources(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Sources:
-        """All that a solution would be solved from now; ScatterError if none can be."""
+        """All current inputs of a solution; ScatterError if there can be no solution."""
         settings, surface = settings_of(obj), obj.dapple.surface
         outline, uid = self.surface(obj, depsgraph).outline, surface.session_uid
         names, materials = names_of(settings), materials_of(settings.density)
@@ -90,7 +90,7 @@ class SceneSnapshot:
         return str(self._kept(POINTS, obj.data.session_uid, lambda: points_digest(obj)))
 
     def wrong_key(self, obj: bpy.types.Object) -> str:
-        """The first index of a bake that points to nothing; empty where all are right."""
+        """The first invalid index of a bake; empty if all are valid."""
         version = obj.dapple.bake_fingerprint
         return str(self._kept(KEYS, version, lambda: wrong_index(*key_tables(obj))))
 
@@ -126,7 +126,7 @@ def _trouble(arrays: SurfaceArrays) -> str:
 
 
 def depends_on(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[int, tuple[str, ...]]:
-    """What a result depends on, by session_uid, and the parts that are read of it."""
+    """Data-blocks that a result depends on, by session_uid, with the parts read from each."""
     density, surface = obj.dapple.density, obj.dapple.surface
     found: dict[int, tuple[str, ...]] = {obj.session_uid: ()}
     around = [scene, density.image, *_obstacles(density.avoid_collection)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Why a result does not fit any more: surface, faces, points, settings, contents, keys, motion."""
+"""Why a result is out of date: surface, faces, points, settings, inputs, keyframes, motion."""
 
 from dataclasses import dataclass
 
@@ -22,23 +22,24 @@ from .scene_snapshot import SceneSnapshot, SurfaceSummary
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a result fits what is there now."""
+    """Whether a result fits the current scene."""
 
-    reason: str = ""  # why not, the first of the reasons; empty when it fits
-    note: str = ""  # what cannot be compared in this frame
+    reason: str = ""  # the first reason why it does not fit; empty if it does
+    note: str = ""  # inputs that cannot be compared in this frame
 
 
 def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
-    """The first of the reasons in words; empty when the result fits."""
+    """The first reason as text; empty if the result fits."""
     return verdict(obj, context).reason
 
 
 def verdict(
     obj: bpy.types.Object, context: bpy.types.Context, snapshot: SceneSnapshot | None = None
 ) -> Verdict:
-    """Compare a result with what is there now: present, as far as it was read before.
+    """Compare a result with the current scene.
 
-    Motion is compared on whole frames that are baked: call it again on another frame.
+    `snapshot` holds what was read before. Motion is compared on whole baked frames: call it again
+    at another frame.
     """
     depsgraph = context.evaluated_depsgraph_get()
     try:
@@ -73,14 +74,14 @@ def _verdict(
 
 
 def _is_unseen(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether nothing that is shown needs a joined surface: then Blender does not evaluate it."""
+    """Whether a joined surface is not evaluated because nothing visible needs it."""
     surface = obj.dapple.surface
     joined = surface is not None and is_joined(surface)
     return joined and not len(surface.evaluated_get(depsgraph).data.vertices)
 
 
 def _object_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
-    """What keeps the surface from being looked at."""
+    """Why the surface cannot be checked."""
     surface = obj.dapple.surface
     if surface is None:
         return translated("The surface is gone")
@@ -124,7 +125,7 @@ def _rest_reason(surface: bpy.types.Object) -> str:
 
 
 def _parts_reason(surface: bpy.types.Object) -> str:
-    """Whether a joined surface does not consist of what it is to."""
+    """Whether the parts of a joined surface are out of date."""
     if has_lost_some(surface):
         return translated("A part of '{surface}' was deleted", surface=surface.name)
     before, now = pieces_of(surface), wanted(surface)
@@ -160,8 +161,9 @@ def _faces_reason(
 
 
 def needs_solving(obj: bpy.types.Object, now: Sources) -> bool:
-    """Whether a result is not that of the settings and contents now; True after an undo that has
-    brought back the points or the settings, but not both.
+    """Whether a result does not belong to the current settings and inputs.
+
+    True as well after an undo that restored the points or the settings, but not both.
     """
     known = obj.dapple.surface_topology.split()
     on_faces = obj.dapple.attached_to == "FACES" and bool(known)
@@ -176,7 +178,7 @@ def needs_solving(obj: bpy.types.Object, now: Sources) -> bool:
 def bake_reason(
     obj: bpy.types.Object, scene: bpy.types.Scene, snapshot: SceneSnapshot, summary: SurfaceSummary
 ) -> str:
-    """The first of the reasons in words; empty when the bake fits."""
+    """The first reason why a bake does not fit, as text; empty if it fits."""
     reasons = (
         _key_reason(obj, snapshot),
         _range_reason(obj, scene),
@@ -235,13 +237,13 @@ def _baked_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int | None:
 
 
 def is_baked_empty(obj: bpy.types.Object, scene: bpy.types.Scene, summary: SurfaceSummary) -> bool:
-    """Whether a surface has no faces now as it had none in the bake."""
+    """Whether a surface has no faces now and had none in the bake."""
     baked = summary.empty and obj.dapple.baked_keys > 0
     return baked and summary.vertices in bound_vertices(obj, scene)
 
 
 def bound_vertices(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[int]:
-    """Numbers of vertices that fit now: between two frames, that of either."""
+    """Valid numbers of vertices now: between two frames, that of either."""
     if not obj.dapple.baked_keys:
         return [obj.dapple.surface_vertices]
     table = frames(obj)["dapple_vertices"]
@@ -259,7 +261,7 @@ def is_edited(obj: bpy.types.Object) -> bool:
 
 
 def points_reason(obj: bpy.types.Object, snapshot: SceneSnapshot) -> str:
-    """Whether points were edited by hand, or added and removed under the keys."""
+    """Whether points were edited by hand, or added or removed since the bake."""
     if obj.dapple.baked_keys and len(obj.data.vertices) != key_points(obj):
         return solve_again(obj, translated("Points were added or removed since the bake"))
     reason = _edited_reason(obj, snapshot)

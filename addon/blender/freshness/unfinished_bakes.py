@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the frames of an unfinished bake are kept, how they follow the .blend, and when they go.
+"""Where the frames of unfinished bakes are stored, how they follow the .blend, when they are
+removed.
 
-Those of NAME.blend lie in NAME.dapple/SCATTER-KEY-START. KEY is stored with the scatter and
-identifies it, whatever it and the file are called later. START is a digest of what the bake began
-with: frames that were solved with other settings lie beside each other.
+Those of NAME.blend are in NAME.dapple/SCATTER-KEY-START. KEY is stored with the scatter and
+identifies it even if it or the file is renamed. START is a digest of the bake's start, so frames of
+other settings are kept apart.
 """
 
 import hashlib

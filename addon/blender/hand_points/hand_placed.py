@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Taking in points that were placed by hand: added, moved and removed ones.
+"""Points that were added, moved or removed by hand.
 
-Those that are added or moved are attached to the nearest place of the surface and locked. All
-others keep their ids, and what is known of the solution stays known, so that Auto Update moves
-hardly any of them when it makes them even around the placed ones. An exact count follows.
+Added and moved points are attached to the nearest place of the surface and locked. All others keep
+their ids and the known solution, so that Auto Update hardly moves them when it evens them out
+around the edited ones. An exact count is adjusted.
 """
 
 from dataclasses import replace
@@ -95,8 +95,8 @@ def _rest(
 
 
 def follow_count(obj: bpy.types.Object) -> None:
-    """Have the settings ask for as many points as there are, unless they were changed since the
-    points were solved: then they say what is wanted.
+    """Set the count of the settings to the number of points, unless the settings were changed since
+    the points were solved.
     """
     if not obj.dapple.solved_settings:
         return

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is edited in the modifier tab is taken over by the panel, so that it overwrites nothing.
+"""Edits in the modifier tab are copied to the panel, so that the panel does not overwrite them.
 
-The inputs that a modifier had last are remembered in the session: where they are others, and not
-those that the panel shows, the artist has edited them there.
+The last inputs of each modifier are remembered during the session. Inputs that differ from them and
+from the panel were edited by the artist.
 """
 
 import math

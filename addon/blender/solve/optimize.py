@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Optimize, as steps: read part by part, have the worker solve, check, write.
+"""Optimize, as steps: read in parts, let the worker solve, check, write.
 
-Scripts and the command line run the steps to their end at once, auto_update.py a little at a time;
-it gives them up where something changes meanwhile.
+Scripts and the command line run the steps at once, auto_update.py a little at a time; it discards
+them if something changes meanwhile.
 """
 
 from dataclasses import dataclass, replace
@@ -38,12 +38,12 @@ _RELAXED, _EVEN = 0.4, 0.9  # of the progress
 def optimize_steps(
     handle: ObjectHandle, *, requested: bool = True, deletes_keyframes: bool = True
 ) -> Steps:
-    """Solve a scatter; whether that was done.
+    """Solve a scatter; returns whether that was done.
 
-    What is asked for is solved from the seed; points that the artist moves, locks or bakes
-    meanwhile are left alone, and so is a bake unless it may go. What nobody asked for is solved if
-    it does not fit what is there now, from the points that are there where they can be kept; points
-    that were edited by hand are left alone.
+    A requested solution starts from the seed. It leaves points alone that the artist moves, locks
+    or bakes meanwhile, and keeps a bake unless it may be deleted. An automatic solution runs only
+    if the result is out of date, starts from the existing points if possible, and leaves points
+    alone that were edited by hand.
     """
     guard = _Guard(handle, deletes_keyframes) if requested else None
     settings = settings_of(handle.get())
@@ -62,7 +62,7 @@ def optimize_steps(
 
 
 class _Guard:
-    """Points that an artist has asked to solve: nothing that was done to them meanwhile is lost."""
+    """Protects changes that the artist makes to the points during a requested solution."""
 
     def __init__(self, handle: ObjectHandle, deletes_keyframes: bool) -> None:
         self._held, self._drops_keys = handle, deletes_keyframes
@@ -120,7 +120,7 @@ class Update:
 
 
 def _from_seed_steps(update: Update, guard: _Guard | None) -> Steps:
-    """From the seed."""
+    """Solve from the seed."""
     arrays, settings, locked = update.arrays, update.settings, update.locked
     solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
     if guard is not None:
@@ -129,8 +129,8 @@ def _from_seed_steps(update: Update, guard: _Guard | None) -> Steps:
 
 
 def _keep_steps(update: Update) -> Steps:
-    """From the points that are there: first where something has changed, then as many as there have
-    to be, and at last the figures.
+    """Solve from the existing points: first near changes, then with the right count, then the
+    figures.
     """
     arrays, settings, locked = update.arrays, update.settings, update.locked
     before = previous_result(update.scatter.get())
@@ -151,7 +151,7 @@ def _keep_steps(update: Update) -> Steps:
 
 
 def _keeps(update: Update) -> bool:
-    """Whether the points of a scatter are to be kept, and can be."""
+    """Whether the points of a scatter should and can be kept."""
     obj = update.scatter.get()
     changed = changed_settings(obj.dapple.solved_settings, update.settings)
     same_faces = obj.dapple.surface_topology.split() == [update.arrays.topology]
