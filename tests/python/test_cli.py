@@ -21,7 +21,17 @@ from dapple3d.cli import commands, points, work
 from dapple3d.cli.app import main
 from dapple3d.cli.options import library_defaults
 
-COMMANDS = ["analyze", "classes", "mosaic", "relax", "resample", "sample", "stipple", "track"]
+COMMANDS = [
+    "analyze",
+    "classes",
+    "mosaic",
+    "relax",
+    "remesh",
+    "resample",
+    "sample",
+    "stipple",
+    "track",
+]
 FORMATS = [".ply", ".csv", ".npz", ".obj", ".off"]
 
 

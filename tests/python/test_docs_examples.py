@@ -45,6 +45,7 @@ RUN = {
     },
     "docs/large.md": {"python": (2, "here")},
     "docs/masks.md": {"sh": (1, "here"), "python": (1, "here")},
+    "docs/remeshing.md": {"sh": (1, "here"), "python": (2, "here")},
     "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
     "docs/peers.md": {"sh": (1, "test_peers.py")},
     "docs/stippling.md": {"sh": (1, "here"), "python": (1, "here")},
@@ -92,6 +93,18 @@ def test_python_pages_run(here, name):
     namespace = {}
     for page in ("index", name):
         exec(code(f"docs/site/python/{page}.md", "python"), namespace)
+
+
+def test_the_page_on_remeshing_runs(here):
+    dapple.write_mesh("part.stl", *shapes.torus())
+    for command in code("docs/remeshing.md", "sh").splitlines():
+        assert run(*shlex.split(command)[1:]).exit_code == 0
+    first, second = (text for name, text in blocks("docs/remeshing.md") if name == "python")
+    namespace = {}
+    exec(first, namespace)
+    namespace["old_heights"] = namespace["surface"].vertices[:, 2]
+    exec(second, namespace)
+    np.testing.assert_allclose(namespace["heights"], namespace["mesh"].vertices[:, 2], atol=1e-6)
 
 
 def test_the_page_on_large_surfaces_runs(here):

@@ -20,7 +20,7 @@ enum class NonManifold {
 /// Settings of the optimizer that end near a hexagonal lattice, which gives the best triangles.
 [[nodiscard]] inline OptimizerOptions lattice_options() {
   OptimizerOptions options;
-  options.capacity_weight = 1.0;
+  options.capacity_weight = 0.3;
   options.repulsion_weight = 0.0;
   options.tolerance = 1e-5;
   options.max_evaluations = 80;

@@ -689,7 +689,7 @@ def remesh(
     seed: int = 0,
     feature_angle: float = 30.0,
     non_manifold: Literal["kept", "cut"] = "kept",
-    capacity_weight: float = 1.0,
+    capacity_weight: float = 0.3,
     repulsion_weight: float = 0.0,
     tolerance: float = 1e-05,
     max_evaluations: int = 80,

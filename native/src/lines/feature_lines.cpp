@@ -21,6 +21,7 @@ constexpr int kMostNeedles = 8;   // side by side
 // Creases of scans are many short ones, which end in the middle of smooth parts.
 constexpr double kLeast = 6.0;     // scales: length of creases that meet, in total
 constexpr double kLeastEnd = 4.0;  // scales: length of a crease that ends nowhere
+constexpr double kFlat = 0.95;     // folds of rough parts are no creases
 constexpr double kFacet = 0.6;     // of the scale: parts between creases that reach less are noise
 
 std::int32_t start_of(const OrderedSurface& mesh, std::int32_t h) {
@@ -200,16 +201,20 @@ class SideNormals {
     stamps_[as_index(face_of(h))] = stamp_;
     Vec3 sum = Vec3::Zero();
     extent_ = 0.0;
+    double total = 0.0;
     for (std::size_t k = 0; k < reached_.size() && k < kMostFaces; ++k) {
       for (const std::int32_t v : mesh_.corners(reached_[k]))
         extent_ = std::max(extent_, (mesh_.vertex(v) - middle).norm());
       const FaceGeometry& geometry = mesh_.geometry(reached_[k]);
       sum += lines_.sign(reached_[k]) * geometry.moments.area * geometry.normal;
+      total += geometry.moments.area;
       for (std::int32_t c = 0; c < 3; ++c) cross(half_edge(reached_[k], c), middle);
     }
+    flatness_ = total > 0.0 ? sum.norm() / total : 0.0;
     return sum.normalized();
   }
-
+  /// How alike the normals of those faces are: 1 in a plane.
+  [[nodiscard]] double flatness() const { return flatness_; }
   /// How far the faces reach that made the last normal.
   [[nodiscard]] double extent() const { return extent_; }
 
@@ -229,7 +234,7 @@ class SideNormals {
   double reach_;
   std::vector<std::int32_t> stamps_;
   std::int32_t stamp_ = -1;
-  double extent_ = 0.0;
+  double extent_ = 0.0, flatness_ = 0.0;
   std::vector<OrderedFace> reached_;
 };
 
@@ -429,8 +434,8 @@ void FeatureLines::drop(const OrderedSurface& mesh, const LineChain& chain) {
   }
 }
 
-/// Drop creases that are noise: the mean normals within a scale on both sides differ less, or
-/// creases on all sides leave no more than a facet.
+/// Drop creases that are noise: the mean normals within a scale on both sides differ less, or those
+/// of one side differ as much among each other, or creases on all sides leave no more than a facet.
 void FeatureLines::drop_noise(const OrderedSurface& mesh, const LineRules& rules) {
   if (!(rules.scale > 0.0)) return;
   const double limit = std::cos(rules.feature_angle * std::numbers::pi / 180.0);
@@ -440,10 +445,12 @@ void FeatureLines::drop_noise(const OrderedSurface& mesh, const LineRules& rules
     const auto h = static_cast<std::int32_t>(k);
     if (kinds_[k] != LineKind::kCrease || edge_of(mesh, h) != h) continue;
     const Vec3 left = normals.beside(h);
-    double extent = normals.extent();
+    double extent = normals.extent(), flatness = normals.flatness();
     const Vec3 right = normals.beside(mesh.next_around(h));
     extent = std::min(extent, normals.extent());
-    if (left.dot(right) > limit || extent < kFacet * rules.scale) noise.push_back(h);
+    flatness = std::min(flatness, normals.flatness());
+    if (left.dot(right) > limit || extent < kFacet * rules.scale || flatness < kFlat)
+      noise.push_back(h);
   }
   for (const std::int32_t h : noise) drop(mesh, {{h}, {}});
 }

@@ -33,7 +33,7 @@ class Reporter:
         if not self.quiet and self.json_out != STANDARD_OUTPUT:
             click.echo(text)
 
-    def show_profile(self, reports: Sequence[dapple.Report]) -> None:
+    def show_profile(self, reports: Sequence[dapple.Report | dapple.RemeshReport]) -> None:
         """Print the times of the stages on stderr, also with --quiet."""
         click.echo(profile_table(reports), err=True)
 
@@ -60,7 +60,7 @@ def figures(report: dapple.Quality) -> str:
     return shown
 
 
-def profile_table(reports: Sequence[dapple.Report]) -> str:
+def profile_table(reports: Sequence[dapple.Report | dapple.RemeshReport]) -> str:
     """Seconds of each stage and their share, of all reports together."""
     total = sum(report.seconds for report in reports)
     lines = [f"{'stage':<12}{'seconds':>9}{'share':>9}"]
