@@ -27,6 +27,7 @@ from .hand_points import operators as hand_points_operators
 from .hand_points import tool
 from .object_types import operators as object_types_operators
 from .presets import operators as presets_operators
+from .remesh import operators as remesh_operators
 from .scatter import modifier_tab
 from .settings import properties, updates
 from .solve import auto_update, figure_images, operators, session_solutions
@@ -38,6 +39,7 @@ _WITH_CLASSES: tuple[Any, ...] = (
         add_operators,
         operators,
         tiles_operators,
+        remesh_operators,
         bake_operators,
         subdivision,
         preview,
@@ -108,7 +110,7 @@ def steps() -> list[Step]:
     """What enabling the add-on does, and how each part is taken back."""
     first: Any = (translation, properties)
     listening = [module.SUBSCRIBER for module in _LISTENING]
-    last: Any = (figure_images, keymaps, tool, export_operators, entry)
+    last: Any = (figure_images, keymaps, tool, export_operators, remesh_operators, entry)
     return [
         *((one.register, one.unregister) for one in (*first, handlers)),
         (_follow_settings, updates.followers.clear),

@@ -103,9 +103,9 @@ def drawn(layout=Layout):
     return shown
 
 
-def test_a_surface_is_offered_a_scatter():
+def test_a_surface_is_offered_a_scatter_and_a_new_mesh():
     scenes.sphere()
-    assert drawn() == ["dapple.add_scatter"]
+    assert drawn() == ["dapple.add_scatter", "dapple.remesh"]
 
 
 def test_a_scatter_shows_its_settings_and_its_result():

@@ -140,6 +140,7 @@ CASES = [
     ("reattach", baked_scatter, {}),
     ("make_tiles", scatter, {}),
     ("make_tiles", tiled, {}),
+    ("remesh", lambda: scenes.tail(frames=3), {"count": 200}),
     ("edit_object_types", scatter, {"action": "ADD"}),
     ("edit_object_types", several, {"action": "REMOVE"}),
     ("edit_object_types", several, {"action": "UP"}),

@@ -22,7 +22,8 @@ constexpr int kMostNeedles = 8;   // side by side
 constexpr double kLeast = 6.0;     // scales: length of creases that meet, in total
 constexpr double kLeastEnd = 4.0;  // scales: length of a crease that ends nowhere
 constexpr double kFlat = 0.95;     // folds of rough parts are no creases
-constexpr double kFacet = 0.6;     // of the scale: parts between creases that reach less are noise
+constexpr double kRound = 6.0;  // points of a closed line without corners, if it has so many edges
+constexpr double kFacet = 0.6;  // of the scale: parts between creases that reach less are noise
 
 std::int32_t start_of(const OrderedSurface& mesh, std::int32_t h) {
   return mesh.welded_corners(face_of(h))[static_cast<std::size_t>(h % 3)];
@@ -267,7 +268,10 @@ std::vector<double> fewest_parts(std::span<const LineChain> chains) {
   for (const LineChain& chain : chains) ++between[ends(chain)];
   for (const LineChain& chain : chains) {
     const auto [a, b] = ends(chain);
-    result.push_back(a == b ? 3.0 : between[{a, b}] > 1 ? 2.0 : 1.0);
+    const double round = chain.closed ? kRound : 3.0;
+    result.push_back(a == b ? std::clamp(static_cast<double>(chain.half_edges.size()), 3.0, round)
+                     : between[{a, b}] > 1 ? 2.0
+                                           : 1.0);
   }
   return result;
 }
@@ -382,7 +386,7 @@ void FeatureLines::mark(const OrderedSurface& mesh,
   };
   for (std::size_t k = 0; k < kinds_.size(); ++k) {
     const auto h = static_cast<std::int32_t>(k);
-    if (mesh.counts(face_of(h))) edges[key(start_of(mesh, h), end_of(mesh, h))].push_back(h);
+    edges[key(start_of(mesh, h), end_of(mesh, h))].push_back(h);
   }
   for (std::size_t k = 0; k < marked.size(); ++k) {
     const auto found = [&] {
@@ -395,7 +399,8 @@ void FeatureLines::mark(const OrderedSurface& mesh,
       throw ArgumentError(entry("edges", k) + " is (" + std::to_string(marked[k][0]) + ", " +
                           std::to_string(marked[k][1]) + "): no face has this edge");
     for (const std::int32_t h : found->second)
-      if (kinds_[as_index(h)] == LineKind::kNone || kinds_[as_index(h)] == LineKind::kCrease)
+      if (mesh.counts(face_of(h)) &&
+          (kinds_[as_index(h)] == LineKind::kNone || kinds_[as_index(h)] == LineKind::kCrease))
         kinds_[as_index(h)] = LineKind::kMarked;
   }
 }
@@ -495,11 +500,11 @@ bool FeatureLines::drop_small(const OrderedSurface& mesh, double scale) {
   return dropped;
 }
 
-std::size_t FeatureLines::drop_creases(const Surface& surface, const std::vector<bool>& chosen,
-                                       const LineRules& rules) {
+std::size_t FeatureLines::drop_chains(const Surface& surface, const std::vector<bool>& chosen,
+                                      LineKind kind_of_them, const LineRules& rules) {
   std::size_t dropped = 0;
   for (std::size_t k = 0; k < chains_.size(); ++k) {
-    if (!chosen[k] || kind(chains_[k].half_edges.front()) != LineKind::kCrease) continue;
+    if (!chosen[k] || kind(chains_[k].half_edges.front()) != kind_of_them) continue;
     drop(surface.ordered(), chains_[k]);
     ++dropped;
   }

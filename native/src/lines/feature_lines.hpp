@@ -59,10 +59,10 @@ class FeatureLines {
   [[nodiscard]] std::int32_t chain_of(std::int32_t half_edge) const {
     return chain_of_[static_cast<std::size_t>(half_edge)];
   }
-  /// Drop those of the chosen chains that are creases; chains and corners are then new ones.
+  /// Drop those of the chosen chains that are of a kind; chains and corners are then new ones.
   /// \return how many
-  std::size_t drop_creases(const Surface& surface, const std::vector<bool>& chosen,
-                           const LineRules& rules);
+  std::size_t drop_chains(const Surface& surface, const std::vector<bool>& chosen,
+                          LineKind kind_of_them, const LineRules& rules);
   /// Welded vertices where lines end, meet or turn, or where faces touch at a point; ascending.
   [[nodiscard]] const std::vector<std::int32_t>& corners() const { return corners_; }
   /// A half-edge that starts at each corner, or ends there; see corner_at_start().

@@ -206,6 +206,10 @@ void CellWalk::look_at_line(const Side& side, std::span<const std::int32_t> loop
 void CellWalk::judge(CellSides& result) {
   for (const Sheet& sheet : sheets_) {
     if (sheet.foreign) continue;  // said already
+    if (sheet.own_lines == 0 && !holds_site(sheet)) {
+      result.violations.push_back({site_, Flaw::kNoDisc, middle(sheet), {}});
+      continue;
+    }
     const bool disc = sheet.loops == 1 && sheet.euler == 1 && sheet.own_lines <= 1;
     if (!disc)
       result.violations.push_back({site_, Flaw::kNoDisc, farthest(sheet), {}});
@@ -226,6 +230,43 @@ Place CellWalk::place_on(std::int32_t edge, double share) const {
              &b = mesh.vertex(corners[as_index((h + 1) % 3)]);
   result.half_edge = h;
   result.position = a + nearest_share(result.position, a, b) * (b - a);
+  return result;
+}
+
+/// Whether the site lies in a sheet: a cell can go through a wall, to where its site is not.
+bool CellWalk::holds_site(const Sheet& sheet) const {
+  const Vec3& site = sites_.positions[as_index(site_)];
+  for (std::int32_t e = begin_; e < end_; ++e) {
+    if (!is_in(e, sheet)) continue;
+    if (pieces_.face_of_piece(pieces_.piece_of(e)) == sites_.faces[as_index(site_)]) return true;
+    if ((pieces_.from(e) - site).norm() <= kOnSite * pieces_.length(e)) return true;
+  }
+  return false;
+}
+
+bool CellWalk::is_in(std::int32_t edge, const Sheet& sheet) const {
+  return sheet_numbers_[local(edge)] == sheet_numbers_[local(sheet.root)];
+}
+
+/// A place within a sheet: the middle of its piece with the longest edge.
+Place CellWalk::middle(const Sheet& sheet) const {
+  double most = -1.0;
+  std::int32_t at = sheet.root;
+  for (std::int32_t e = begin_; e < end_; ++e) {
+    if (!is_in(e, sheet) || pieces_.length(e) <= most) continue;
+    most = pieces_.length(e);
+    at = e;
+  }
+  Place result = place_on(at, 0.0);
+  Vec3 sum = Vec3::Zero();
+  double count = 0.0;
+  const std::int32_t piece = pieces_.piece_of(at);
+  for (std::int32_t e = pieces_.first_edge(piece); e < pieces_.first_edge(piece + 1); ++e) {
+    sum += pieces_.from(e);
+    ++count;
+  }
+  result.position = sum / count;
+  result.half_edge = -1;
   return result;
 }
 

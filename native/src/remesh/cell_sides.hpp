@@ -60,6 +60,9 @@ class CellWalk {
                     CellSides& result);
   void judge(CellSides& result);
   [[nodiscard]] Place place_on(std::int32_t edge, double share) const;
+  [[nodiscard]] bool is_in(std::int32_t edge, const Sheet& sheet) const;
+  [[nodiscard]] bool holds_site(const Sheet& sheet) const;
+  [[nodiscard]] Place middle(const Sheet& sheet) const;
   [[nodiscard]] Place farthest(const Sheet& sheet) const;
   [[nodiscard]] std::int32_t& mate(std::int32_t edge) { return mates_[local(edge)]; }
   [[nodiscard]] std::int32_t mate(std::int32_t edge) const { return mates_[local(edge)]; }

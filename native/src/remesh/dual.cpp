@@ -8,6 +8,7 @@
 #include "base/progress.hpp"
 #include "remesh/cell_sides.hpp"
 #include "surface/ordered_surface.hpp"
+#include "voronoi/cell_builder.hpp"
 
 namespace dapple {
 namespace {
@@ -98,7 +99,7 @@ class SideGraph {
       if (!closed || around.size() < 3)
         violations.push_back({at(s).site, Flaw::kUnmatched, end_of(s), {}});
       else
-        visit(around);
+        visit(around, corner_of(s));
     }
   }
 
@@ -199,6 +200,10 @@ class SideGraph {
     return false;
   }
 
+  /// Where the cells around a corner meet.
+  [[nodiscard]] Place corner_of(std::int32_t s) const {
+    return {.position = finish(s), .face = pieces_.face_of_piece(pieces_.piece_of(at(s).last))};
+  }
   [[nodiscard]] Place end_of(std::int32_t s) const {
     const std::int32_t e = at(s).longest;
     return {.position = 0.5 * (pieces_.from(e) + pieces_.to(e)),
@@ -245,6 +250,31 @@ void find_repeated_edges(std::span<const Face> triangles, std::span<const SiteKi
          {.position = sites.positions[as_index(b)], .face = sites.faces[as_index(b)]},
          {}});
   }
+}
+
+/// Triangles of the same three sites, as the two sides of a flat body have them.
+void find_repeated_triangles(std::span<const Face> triangles, std::span<const Place> places,
+                             std::vector<Violation>& violations) {
+  std::vector<std::array<std::int32_t, 4>> sorted;  // sites, triangle
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    Face t = triangles[k];
+    std::ranges::sort(t);
+    sorted.push_back({t[0], t[1], t[2], static_cast<std::int32_t>(k)});
+  }
+  parallel_sort(sorted);
+  for (std::size_t k = 1; k < sorted.size(); ++k)
+    if (std::equal(sorted[k].begin(), sorted[k].begin() + 3, sorted[k - 1].begin()))
+      violations.push_back({sorted[k][0], Flaw::kMetTwice, places[as_index(sorted[k][3])], {}});
+}
+
+/// The pieces of the cells. Thin walls keep their rims: a site on the edge of one belongs to both
+/// of its sides.
+std::vector<CellPolygon> polygons_of(const Surface& surface, const Sites& sites, Cells cells,
+                                     Context* context) {
+  CellBuilder builder(surface);
+  RestrictedVoronoi diagram;
+  builder.build_by_floods(sites, nullptr, cells, /*leaves_gaps=*/false, context, diagram);
+  return builder.polygons(nullptr);
 }
 
 double smallest_cosine_first(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -295,8 +325,7 @@ void add_triangles(std::span<const std::int32_t> polygon, std::span<const Vec3> 
 Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sites,
              std::span<const SiteKind> kinds, Cells cells, Context* context) {
   Stretch cutting(context, 0.0, kCellsPart);
-  const std::vector<CellPolygon> polygons =
-      restricted_voronoi_polygons(surface, sites, cells, cutting.context());
+  const std::vector<CellPolygon> polygons = polygons_of(surface, sites, cells, cutting.context());
   const CellPieces pieces(surface, lines, polygons, sites.size());
   std::vector<CellSides> of_cells(sites.size());
   parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -312,9 +341,13 @@ Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sit
   graph.match();
   graph.drop_short(result.violations);
   graph.find_repeated(result.violations);
-  graph.for_each_corner(result.violations, [&](std::span<const std::int32_t> around) {
-    add_triangles(around, sites.positions, result.triangles);
-  });
+  std::vector<Place> places;  // per triangle
+  graph.for_each_corner(result.violations,
+                        [&](std::span<const std::int32_t> around, const Place& place) {
+                          add_triangles(around, sites.positions, result.triangles);
+                          places.resize(result.triangles.size(), place);
+                        });
+  find_repeated_triangles(result.triangles, places, result.violations);
   result.lines = graph.edges_on_lines();
   if (result.violations.empty())
     find_repeated_edges(result.triangles, kinds, sites, result.violations);

@@ -26,7 +26,7 @@ namespace {
 constexpr int kMendings = 30;                           // rounds of adding sites
 constexpr int kPatience = 6;                            // rounds that mend nothing in total
 constexpr std::size_t kMostTimes = 4, kMostMore = 500;  // most sites, by the count asked for
-constexpr int kDroppings = 3;                           // times that creases are given up
+constexpr int kDroppings = 6;                           // times that creases are given up
 constexpr int kThinnings = 6;                           // rounds of taking sites away elsewhere
 constexpr int kFreeRings = 3;        // around sites that are gone, which make room
 constexpr int kFewEvaluations = 12;  // after local changes
@@ -79,7 +79,8 @@ class Remesher {
             .marked = options_.edges};
   }
 
-  /// Drop creases at which the topology cannot be reached, such as two that touch.
+  /// Drop creases at which the topology cannot be reached, such as two that touch; then marked
+  /// edges.
   bool drop_hopeless() {
     std::vector<bool> hopeless(lines_.chains().size(), false);
     const auto mark = [&](std::int32_t chain) {
@@ -89,7 +90,8 @@ class Remesher {
       mark(sites_.chains[as_index(violation.site)]);
       if (violation.place.half_edge >= 0) mark(lines_.chain_of(violation.place.half_edge));
     }
-    const std::size_t dropped = lines_.drop_creases(surface_, hopeless, rules());
+    std::size_t dropped = lines_.drop_chains(surface_, hopeless, LineKind::kCrease, rules());
+    if (dropped == 0) dropped = lines_.drop_chains(surface_, hopeless, LineKind::kMarked, rules());
     dropped_lines_ += dropped;
     return dropped > 0;
   }
@@ -106,7 +108,7 @@ class Remesher {
   void solve(Context* context) {
     const LineSites on_lines = sites_on_lines(surface_, lines_, line_spacing());
     SampleClass all{.count = std::max(count_, on_lines.sites.size()), .locked = on_lines.sites};
-    const ClassProblem problem = surface_classes(surface_, {&all, 1}, options_.cells);
+    const ClassProblem problem = problem_of(all);
     ClassMinimum found = dapple::solve(problem, class_options(options_), context);
     evaluations_ += found.minimum.evaluations;
     converged_ = found.minimum.converged;
@@ -118,10 +120,16 @@ class Remesher {
     }
   }
 
+  /// Sites on the edges of thin walls belong to both sides, which are not taken apart then.
+  [[nodiscard]] ClassProblem problem_of(const SampleClass& all) const {
+    return surface_classes(surface_, {&all, 1}, options_.cells, Steps::kAnywhere,
+                           lines_.chains().empty() ? KnownSides() : KnownSides(nullptr));
+  }
+
   /// Space the free sites among the marked ones evenly again.
   void settle(const std::vector<bool>& moving, Context* context) {
     const SampleClass all{.count = sites_.size()};
-    const ClassProblem problem = surface_classes(surface_, {&all, 1}, options_.cells);
+    const ClassProblem problem = problem_of(all);
     std::vector<bool> locked(sites_.size());
     for (std::size_t k = 0; k < locked.size(); ++k)
       locked[k] = sites_.kinds[k] != SiteKind::kFree || !moving[k];
@@ -250,6 +258,21 @@ void cut_apart(RemeshResult& mesh) {
   mesh.lines = std::move(lines);
 }
 
+/// Sort the triangles, and drop those that lie on others, which are flaws of the topology.
+void sort_faces(std::vector<Face>& faces) {
+  std::ranges::sort(faces, {}, [](Face t) {
+    const Face turned = t;
+    std::ranges::sort(t);
+    return std::pair(t, turned);
+  });
+  const auto rest = std::ranges::unique(faces, {}, [](Face t) {
+    std::ranges::sort(t);
+    return t;
+  });
+  faces.erase(rest.begin(), rest.end());
+  std::ranges::sort(faces);
+}
+
 RemeshResult Remesher::result() const {
   RemeshResult mesh;
   std::vector<std::int32_t> number(best_sites_.size(), -1);
@@ -269,7 +292,7 @@ RemeshResult Remesher::result() const {
     const std::int32_t u = number[as_index(a)], v = number[as_index(b)];
     if (u >= 0 && v >= 0) mesh.lines.push_back({u, v});
   }
-  std::ranges::sort(mesh.faces);
+  sort_faces(mesh.faces);
   if (options_.non_manifold == NonManifold::kCut) cut_apart(mesh);
   mesh.report.asked = count_;
   mesh.report.flaws = best_.violations.size();

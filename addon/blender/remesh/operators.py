@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Remesh with Dapple: the operator, its dialog and its steps."""
+
+import math
+from typing import Any
+
+import bpy
+
+from ...core.base.errors import ScatterError
+from ...core.base.steps import Steps, Task
+from ...core.remesh import NewMesh, remeshed
+from ..base.all_or_nothing import Status, all_or_nothing
+from ..base.object_handles import ObjectHandle
+from ..base.operator_jobs import Outcome
+from ..base.step_operators import OPTIONS, StepsOperator
+from ..base.translation import translated, translated_report
+from ..scatter.linked_data import read_only
+from ..scatter.object import is_scatter
+from ..surface.polls import free
+from .reading import read_old
+from .writing import write_new
+
+_MOST = 10_000_000
+
+
+class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
+    """Replace the mesh by even triangles on the same surface. Texture coordinates, colors, vertex
+    groups, shape keys, materials, attributes and modifiers are kept; seams, creases, borders and
+    marked edges stay where they are"""
+
+    bl_idname = "dapple.remesh"
+    bl_label = "Remesh with Dapple"
+    bl_options = OPTIONS
+
+    count: bpy.props.IntProperty(
+        name="Vertices",
+        description="Number of vertices of the new mesh; there are more only where the topology "
+        "or the lines that stay need them",
+        default=5000,
+        min=1,
+        soft_min=8,
+        max=_MOST,
+    )
+    feature_angle: bpy.props.FloatProperty(
+        name="Crease Angle",
+        description="Edges whose faces differ by more than this are creases, which stay; 180 "
+        "degrees keeps none",
+        default=math.radians(30),
+        min=0.0,
+        max=math.pi,
+        subtype="ANGLE",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.object
+        if not free(cls):
+            return False
+        if context.mode != "OBJECT" or obj is None or obj.type != "MESH":
+            cls.poll_message_set(translated("Needs an active mesh object in Object Mode"))
+        elif is_scatter(obj):
+            cls.poll_message_set(translated("The active object is a scatter, not a surface"))
+        elif read_only(obj) or not obj.data.is_editable:
+            cls.poll_message_set(
+                read_only(obj) or translated("The mesh of the active object is linked")
+            )
+        else:
+            return True
+        return False
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Ask for the number of vertices first, which begins with that of now."""
+        if not self.properties.is_property_set("count"):
+            self.count = len(context.object.data.vertices)
+        if bpy.app.background:
+            return super().invoke(context, event)
+        self.asked = True
+        status: Status = context.window_manager.invoke_props_dialog(self)
+        return status
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        """Do it now in a script, beside the artist after the dialog."""
+        if getattr(self, "asked", False):
+            return super().invoke(context, None)
+        return super().execute(context)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return remesh_steps(context.object, self.count, math.degrees(self.feature_angle))
+
+    def watched(self, context: bpy.types.Context) -> dict[int, str]:
+        return {one.session_uid: one.name for one in (context.object, context.object.data)}
+
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        report = result.report
+        text = translated_report(
+            "'{name}': {vertices:,} vertices, {faces:,} triangles, angles from {angle:.0f} degrees",
+            name=obj.name,
+            vertices=report.vertices,
+            faces=report.faces,
+            angle=report.smallest_angle,
+        )
+        messages = [("INFO", text)]
+        if report.vertices > report.asked:
+            more = translated_report(
+                "The topology and the lines that stay need {count:,} more vertices",
+                count=report.vertices - report.asked,
+            )
+            messages.append(("WARNING", more))
+        if report.dropped_lines:
+            given_up = translated_report(
+                "{count:,} creases or seams were given up: more vertices may keep them",
+                count=report.dropped_lines,
+            )
+            messages.append(("WARNING", given_up))
+        if report.flaws:
+            flaws = translated_report(
+                "In {count:,} places the new mesh is not connected like the old one",
+                count=report.flaws,
+            )
+            messages.append(("WARNING", flaws))
+        return Outcome(obj, messages)
+
+
+def remesh_steps(obj: bpy.types.Object, count: int, feature_angle: float) -> Steps:
+    """Replace an object's mesh; returns the NewMesh."""
+    handle, mesh = ObjectHandle(obj), obj.data.session_uid
+    old = read_old(obj)
+    new: NewMesh = yield Task(lambda worker: remeshed(old, count, feature_angle, worker))
+    obj = handle.get()
+    if obj.data.session_uid != mesh or obj.mode != "OBJECT":
+        raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
+    with all_or_nothing(bpy.context, [obj]):
+        made = write_new(obj, new)
+        name, before = obj.data.name, obj.data
+        obj.data = made
+        if before.users == 0:
+            bpy.data.meshes.remove(before)
+            made.name = name
+    return new
+
+
+def draw_menu(menu: Any, _context: bpy.types.Context) -> None:
+    """The menu Object."""
+    menu.layout.operator(DAPPLE_OT_remesh.bl_idname, icon="MOD_REMESH")
+
+
+def register() -> None:
+    """Add the line to the menu."""
+    bpy.types.VIEW3D_MT_object.append(draw_menu)
+
+
+def unregister() -> None:
+    """Take it out."""
+    bpy.types.VIEW3D_MT_object.remove(draw_menu)
+
+
+CLASSES = (DAPPLE_OT_remesh,)

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh of an object as it is remeshed: triangles, and the edges that stay."""
+
+import bpy
+import numpy as np
+
+from ...core.remesh import OldMesh
+from ...core.surface.arrays import Floats, Ints
+from ..base.mesh_arrays import corner_vertices, read_points, to_world, triangle_corners
+
+# Attributes of marked edges.
+_WEIGHTS = ("crease_edge", "bevel_weight_edge")
+_SAME = 1e-5  # texture coordinates that differ by less are the same
+
+
+def read_old(obj: bpy.types.Object) -> OldMesh:
+    """The object's own mesh, without modifiers, in world space."""
+    mesh = obj.data
+    corners, vertices = triangle_corners(mesh), corner_vertices(mesh)
+    faces = vertices[corners] if len(vertices) else np.empty((0, 3), np.int32)
+    return OldMesh(
+        name=obj.name,
+        vertices=to_world(obj, read_points(mesh)),
+        faces=faces,
+        lines=lines_of(mesh),
+    )
+
+
+def triangle_polygons(mesh: bpy.types.Mesh) -> Ints:
+    """The polygon (t,) of each triangle."""
+    mesh.calc_loop_triangles()
+    found = np.empty(len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("polygon_index", found)
+    return found
+
+
+def edge_vertices(mesh: bpy.types.Mesh) -> Ints:
+    """Vertices (e, 2) of the edges."""
+    found = np.empty(2 * len(mesh.edges), np.int32)
+    mesh.edges.foreach_get("vertices", found)
+    return found.reshape(-1, 2)
+
+
+def lines_of(mesh: bpy.types.Mesh) -> Ints:
+    """Edges (k, 2) that stay: marked ones, seams of textures, borders of materials."""
+    marked = np.zeros(len(mesh.edges), bool)
+    for name in ("use_seam", "use_edge_sharp"):
+        values = np.empty(len(mesh.edges), bool)
+        mesh.edges.foreach_get(name, values)
+        marked |= values
+    for name in _WEIGHTS:
+        attribute = mesh.attributes.get(name)
+        if attribute is not None and attribute.domain == "EDGE":
+            weights = np.empty(len(mesh.edges), np.float32)
+            attribute.data.foreach_get("value", weights)
+            marked |= weights > 0
+    # Files repeat vertices along seams and hard edges: these have one face on each side.
+    uses = _faces_of_edges(mesh)
+    marked |= _divided(mesh) | (uses == 1)
+    return edge_vertices(mesh)[marked & (uses > 0)]
+
+
+def _faces_of_edges(mesh: bpy.types.Mesh) -> Ints:
+    """The number (e,) of faces at each edge."""
+    edges = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("edge_index", edges)
+    return np.bincount(edges, minlength=len(mesh.edges)).astype(np.int32)
+
+
+def _divided(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Per edge, whether texture coordinates or materials differ on its two sides."""
+    corners = len(mesh.loops)
+    edges, nexts = np.empty(corners, np.int32), _next_corners(mesh)
+    mesh.loops.foreach_get("edge_index", edges)
+    order = np.argsort(edges, kind="stable")
+    same = edges[order][1:] == edges[order][:-1]
+    first, second = order[:-1][same], order[1:][same]
+    vertices = corner_vertices(mesh)
+    turned = vertices[first] == vertices[nexts[second]]
+    found = np.zeros(len(mesh.edges), bool)
+    for values in _corner_values(mesh):
+        begin = np.where(turned[:, None], values[nexts[second]], values[second])
+        end = np.where(turned[:, None], values[second], values[nexts[second]])
+        # At the pole of a sphere they differ at one end alone, which is no seam.
+        apart = np.abs(values[first] - begin).max(axis=1) > _SAME
+        apart &= np.abs(values[nexts[first]] - end).max(axis=1) > _SAME
+        found[edges[first[apart]]] = True
+    return found
+
+
+def _next_corners(mesh: bpy.types.Mesh) -> Ints:
+    """The next corner (c,) of the polygon of each."""
+    totals = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", totals)
+    ends = np.cumsum(totals)
+    found = np.arange(1, len(mesh.loops) + 1, dtype=np.int32)
+    found[ends - 1] = ends - totals
+    return found
+
+
+def _corner_values(mesh: bpy.types.Mesh) -> list[Floats]:
+    """What divides: texture coordinates (c, 2), and the material (c, 1) of the corners' faces."""
+    found = []
+    for layer in mesh.uv_layers:
+        values = np.empty(2 * len(mesh.loops), np.float32)
+        layer.uv.foreach_get("vector", values)
+        found.append(values.reshape(-1, 2).astype(np.float64))
+    materials = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("material_index", materials)
+    totals = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", totals)
+    found.append(np.repeat(materials, totals)[:, None].astype(np.float64))
+    return found

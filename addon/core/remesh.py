@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh of even triangles on another one, and what its vertices, corners and faces take over."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .base.errors import ScatterError
+from .base.native import named, package
+from .surface.arrays import Floats, Ints
+
+_INWARD = 1e-3  # of the way from a corner on a line to the middle of its triangle
+_OUTSIDE = 0.05  # of a triangle, that a corner may lie outside
+
+
+@dataclass(frozen=True)
+class OldMesh:
+    """The mesh that is replaced."""
+
+    name: str  # of the object, for messages
+    vertices: Floats  # (v, 3) in world space
+    faces: Ints  # (t, 3) the triangles that its polygons are cut into
+    lines: Ints  # (k, 2) edges that stay: seams, borders of materials, marked ones
+
+
+@dataclass(frozen=True)
+class NewMesh:
+    """The new triangles, and where they lie on the old ones."""
+
+    faces: Ints  # (m, 3)
+    source: Ints  # (n,) the old triangle that each vertex lies on
+    weights: Floats  # (n, 3) of its corners
+    corner_source: Ints  # (m, 3) the same for the corners: the old triangle on their side of a line
+    corner_weights: Floats  # (m, 3, 3)
+    face_source: Ints  # (m,) the old triangle at the middle of each
+    lines: Ints  # (k, 2) edges along lines
+    line_source: Ints  # (k, 2) the vertices of the old edge that each lies on
+    report: Any
+
+    def at_vertices(self, values: NDArray[Any], faces: Ints) -> Floats:
+        """Values (v,) or (v, w) of the old vertices at the new ones."""
+        corners = values[faces[self.source]].astype(np.float64)
+        weights = self.weights.reshape(-1, 3, *(1,) * (corners.ndim - 2))
+        return (corners * weights).sum(axis=1)
+
+    def at_corners(self, values: NDArray[Any]) -> Floats:
+        """Values (t, 3) or (t, 3, w) of the corners of the old triangles at the new corners."""
+        corners = values[self.corner_source].astype(np.float64)
+        ones = (1,) * (corners.ndim - 3)
+        weights = self.corner_weights.reshape(*self.corner_weights.shape, *ones)
+        return (corners * weights).sum(axis=2)
+
+    def nearest_vertices(self, faces: Ints) -> Ints:
+        """The old vertex nearest to each new one in its triangle, for what cannot be mixed."""
+        corner = self.weights.argmax(axis=1)
+        return faces[self.source, corner]
+
+
+def remeshed(old: OldMesh, count: int, feature_angle: float, context: Any) -> NewMesh:
+    """Remesh, and find what each part of the new mesh lies on.
+
+    Raises:
+        ScatterError: the mesh has no faces with area, or is not finite.
+        StoppedError: it was cancelled.
+    """
+    if len(old.faces) == 0:
+        raise ScatterError(f"'{old.name}' has no faces: a new mesh needs a surface")
+    with named(old.name):
+        surface = package().Surface(old.vertices, old.faces)
+        made = package().remesh(
+            surface, count, feature_angle=feature_angle, edges=old.lines, context=context
+        )
+        return _with_sources(surface, old, made)
+
+
+def _with_sources(surface: Any, old: OldMesh, made: Any) -> NewMesh:
+    faces, vertices = np.array(made.faces), np.array(made.vertices)
+    middles = vertices[faces].mean(axis=1)
+    face_source = package().project(surface, middles).faces
+    source, weights = np.array(made.source_faces), np.array(made.barycentric)
+    corner_source, corner_weights = source[faces], weights[faces]
+    on_line = np.array(made.features)[faces] > 0
+    places = vertices[faces[on_line]]
+    inward = places + _INWARD * (np.repeat(middles[:, None], 3, axis=1)[on_line] - places)
+    beside = package().project(surface, inward).faces
+    corner_source[on_line] = beside
+    corner_weights[on_line] = _weights_at(places, old.vertices[old.faces[beside]])
+    lines = np.array(made.lines)
+    return NewMesh(
+        faces=faces,
+        source=source,
+        weights=weights,
+        corner_source=corner_source,
+        corner_weights=corner_weights,
+        face_source=np.array(face_source),
+        lines=lines,
+        line_source=_old_edges(surface, old, vertices[lines].mean(axis=1)),
+        report=made.report,
+    )
+
+
+def _weights_at(points: Floats, corners: Floats) -> Floats:
+    """Barycentric coordinates (n, 3) of points (n, 3) beside triangles (n, 3, 3). Those far outside
+    are drawn in, as on triangles narrower than the distance."""
+    a, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    uu, uv, vv = (u * u).sum(1), (u * v).sum(1), (v * v).sum(1)
+    p = points - a
+    pu, pv = (p * u).sum(1), (p * v).sum(1)
+    area = uu * vv - uv * uv
+    safe = np.where(area > 0, area, 1.0)
+    second = np.where(area > 0, (vv * pu - uv * pv) / safe, 0.0)
+    third = np.where(area > 0, (uu * pv - uv * pu) / safe, 0.0)
+    weights = np.stack([1 - second - third, second, third], axis=1).clip(-_OUTSIDE, 1 + _OUTSIDE)
+    found: Floats = weights / weights.sum(axis=1, keepdims=True)
+    return found
+
+
+def _old_edges(surface: Any, old: OldMesh, middles: Floats) -> Ints:
+    """The old edges (k, 2) nearest to points on lines."""
+    if len(middles) == 0:
+        return np.empty((0, 2), np.int32)
+    found = package().project(surface, middles)
+    corner = np.asarray(found.barycentric).argmin(axis=1)
+    corners = old.faces[np.asarray(found.faces)]
+    rows = np.arange(len(corners))
+    ends = np.stack([corners[rows, (corner + 1) % 3], corners[rows, (corner + 2) % 3]], axis=1)
+    return np.sort(ends, axis=1).astype(np.int32)

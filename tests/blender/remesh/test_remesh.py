@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Remesh with Dapple: the new mesh, and what it takes over."""
+
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+def cube(size=2.0):
+    bpy.ops.mesh.primitive_cube_add(size=size)
+    return bpy.context.object
+
+
+def remeshed(obj, **given):
+    assert bpy.ops.dapple.remesh(**given) == {"FINISHED"}
+    assert not obj.data.validate()
+    return obj.data
+
+
+def positions(mesh):
+    found = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", found)
+    return found.reshape(-1, 3)
+
+
+def volume(mesh):
+    total = 0.0
+    for polygon in mesh.polygons:
+        a, b, c = (mesh.vertices[k].co for k in polygon.vertices)
+        total += a.dot(b.cross(c)) / 6
+    return total
+
+
+def test_a_cube_keeps_its_corners_and_volume():
+    obj = cube()
+    mesh = remeshed(obj, count=300)
+    assert len(mesh.vertices) == 300
+    assert {len(p.vertices) for p in mesh.polygons} == {3}
+    assert volume(mesh) == pytest.approx(8, rel=1e-5)
+    corners = np.abs(positions(mesh)).min(axis=1) > 1 - 1e-6
+    assert corners.sum() == 8
+
+
+def test_name_and_modifiers_and_parent_stay():
+    obj, parent = cube(), bpy.data.objects.new("Parent", None)
+    bpy.context.collection.objects.link(parent)
+    obj.parent = parent
+    obj.modifiers.new("Bevel", "BEVEL").width = 0.03
+    name = obj.data.name
+    remeshed(obj, count=100)
+    assert obj.data.name == name
+    assert obj.modifiers["Bevel"].width == pytest.approx(0.03)
+    assert obj.parent == parent
+    assert [mesh.name for mesh in bpy.data.meshes] == [name]
+
+
+def test_an_object_that_shares_its_mesh_leaves_the_other_alone():
+    obj = cube()
+    other = obj.copy()
+    bpy.context.collection.objects.link(other)
+    remeshed(obj, count=100)
+    assert len(other.data.vertices) == 8
+
+
+def test_texture_coordinates_are_where_they_were():
+    """Each side of the cube has its own part of the image; seams stay seams."""
+    obj = cube()
+    corners = {tuple(np.round(obj.data.vertices[k].co, 3)) for k in range(8)}
+    mesh = remeshed(obj, count=300)
+    assert len(corners) == 8
+    layer = mesh.uv_layers.active.uv
+    places = positions(mesh)
+    area = 0.0
+    for polygon in mesh.polygons:
+        a, b, c = (np.array(layer[k].vector) for k in polygon.loop_indices)
+        twice = (b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0]
+        u, v, w = places[list(polygon.vertices)]
+        real = np.linalg.norm(np.cross(v - u, w - u))
+        assert abs(twice) / real == pytest.approx(0.25**2 / 4, rel=1e-3)
+        area += abs(twice) / 2
+    assert area == pytest.approx(6 / 16, rel=1e-4)
+
+
+def test_vertex_groups_and_shape_keys_are_mixed():
+    obj = cube()
+    top = obj.vertex_groups.new(name="Top")
+    top.add([v.index for v in obj.data.vertices if v.co.z > 0], 1.0, "REPLACE")
+    obj.shape_key_add(name="Basis")
+    key = obj.shape_key_add(name="Taller")
+    key.value, key.slider_max = 0.5, 2.0
+    for vertex, point in zip(obj.data.vertices, key.data, strict=True):
+        point.co.z = 3 * vertex.co.z
+    mesh = remeshed(obj, count=200)
+    heights = positions(mesh)[:, 2]
+    weights = [
+        next((g.weight for g in vertex.groups if g.group == 0), 0.0) for vertex in mesh.vertices
+    ]
+    np.testing.assert_allclose(weights, (heights + 1) / 2, atol=1e-5)
+    taller = mesh.shape_keys.key_blocks["Taller"]
+    assert (taller.value, taller.slider_max) == (0.5, 2.0)
+    np.testing.assert_allclose([p.co.z for p in taller.data], 3 * heights, atol=1e-5)
+
+
+def test_materials_and_attributes_and_seams_stay():
+    obj = cube()
+    for name in ("Red", "Blue"):
+        obj.data.materials.append(bpy.data.materials.new(name))
+    for polygon in obj.data.polygons:
+        polygon.material_index = int(polygon.normal.z > 0.5)
+    number = obj.data.attributes.new("number", "INT", "FACE")
+    number.data.foreach_set("value", np.arange(6, dtype=np.int32))
+    height = obj.data.attributes.new("height", "FLOAT", "POINT")
+    height.data.foreach_set("value", positions(obj.data)[:, 2].copy())
+    for edge in obj.data.edges:
+        edge.use_seam = all(obj.data.vertices[k].co.z > 0 for k in edge.vertices)
+    mesh = remeshed(obj, count=200)
+    assert [one.name for one in mesh.materials] == ["Red", "Blue"]
+    for polygon in mesh.polygons:
+        assert polygon.material_index == int(polygon.normal.z > 0.5)
+    sides = {}
+    for polygon, value in zip(mesh.polygons, mesh.attributes["number"].data, strict=True):
+        sides.setdefault(tuple(np.round(polygon.normal)), set()).add(value.value)
+    assert sorted(value for values in sides.values() for value in values) == list(range(6))
+    found = np.empty(len(mesh.vertices), np.float32)
+    mesh.attributes["height"].data.foreach_get("value", found)
+    np.testing.assert_allclose(found, positions(mesh)[:, 2], atol=1e-5)
+    length = sum(
+        (mesh.vertices[e.vertices[0]].co - mesh.vertices[e.vertices[1]].co).length
+        for e in mesh.edges
+        if e.use_seam
+    )
+    assert length == pytest.approx(8, rel=1e-5)
+
+
+def test_it_deforms_with_its_armature_as_before():
+    obj = scenes.tail(levels=0, render_levels=0)
+    bpy.context.scene.frame_set(6)
+    before = evaluated_bounds(obj)
+    remeshed(obj, count=400)
+    after = evaluated_bounds(obj)
+    np.testing.assert_allclose(after, before, atol=0.05)
+
+
+def evaluated_bounds(obj):
+    bpy.context.view_layer.update()
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    found = positions(mesh)
+    return np.array([found.min(axis=0), found.max(axis=0)])
+
+
+def test_a_scaled_object_gets_even_triangles_in_the_world():
+    obj = scenes.sphere(scale=(3.0, 1.0, 1.0))
+    mesh = remeshed(obj, count=500)
+    matrix = np.array(obj.matrix_world)[:3, :3]
+    places = positions(mesh) @ matrix.T
+    lengths = [np.linalg.norm(places[a] - places[b]) for a, b in (e.vertices for e in mesh.edges)]
+    assert np.std(lengths) < 0.2 * np.mean(lengths)
+
+
+def test_fewer_vertices_than_the_topology_needs_are_said(capfd):
+    obj = cube()
+    mesh = remeshed(obj, count=4)
+    assert "need 4 more vertices" in capfd.readouterr().out
+    assert len(mesh.vertices) == 8
+
+
+def test_a_mesh_without_faces_is_left_alone():
+    obj = cube()
+    obj.data.clear_geometry()
+    obj.data.vertices.add(3)
+    with pytest.raises(RuntimeError, match="'Cube' has no faces"):
+        bpy.ops.dapple.remesh(count=50)
+    assert len(obj.data.vertices) == 3
+
+
+def test_needs_a_mesh_in_object_mode():
+    cube()
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert not bpy.ops.dapple.remesh.poll()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.curve.primitive_bezier_circle_add()
+    assert not bpy.ops.dapple.remesh.poll()
+
+
+def test_undo_brings_the_old_mesh_back():
+    cube()
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.dapple.remesh(count=100)
+    bpy.ops.ed.undo_push(message="remesh")
+    bpy.ops.ed.undo()
+    assert len(bpy.context.object.data.vertices) == 8
