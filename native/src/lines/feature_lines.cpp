@@ -318,6 +318,27 @@ FeatureLines::FeatureLines(const Surface& surface, const LineRules& rules, const
   build(mesh, rules);
 }
 
+FeatureLines::FeatureLines(const Refined& fine, const FeatureLines& coarse, const LineRules& rules)
+    : kinds_(3 * fine.surface.face_count(), LineKind::kNone), signs_(fine.surface.face_count(), 0) {
+  const OrderedSurface &mesh = fine.surface.ordered(), &whole = fine.original.ordered();
+  for (std::size_t f = 0; f < signs_.size(); ++f) {
+    const OrderedFace face = mesh.ordered_face(static_cast<std::int32_t>(f));
+    const OrderedFace parent = whole.ordered_face(fine.parents[f]);
+    signs_[as_index(face)] = static_cast<std::int8_t>(coarse.sign(parent));
+    if (!mesh.counts(face)) continue;
+    for (std::int32_t c = 0; c < 3; ++c)
+      for (std::int32_t k = 0; k < 3; ++k) {
+        const auto beyond = [&](std::int32_t corner) {  // from the parent's edge k
+          return fine.barycentric[f][as_index(corner % 3)][(k + 2) % 3];
+        };
+        if (beyond(c) == 0.0 && beyond(c + 1) == 0.0)
+          kinds_[as_index(half_edge(face, c))] = coarse.kind(half_edge(parent, k));
+      }
+  }
+  find_pinched(mesh);
+  build(mesh, rules);
+}
+
 void FeatureLines::orient(const OrderedSurface& mesh, const Context* context) {
   std::vector<OrderedFace> reached;
   for (std::size_t f = 0; f < signs_.size(); ++f) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <dapple/context.hpp>
+#include <dapple/refine.hpp>
 #include <dapple/surface.hpp>
 #include <span>
 #include <vector>
@@ -44,6 +45,9 @@ class FeatureLines {
  public:
   /// \throw ArgumentError naming the first marked edge that is none; Cancelled
   FeatureLines(const Surface& surface, const LineRules& rules, const Context* context = nullptr);
+
+  /// The lines of a surface on the same one with finer faces.
+  FeatureLines(const Refined& fine, const FeatureLines& coarse, const LineRules& rules);
 
   [[nodiscard]] LineKind kind(std::int32_t half_edge) const {
     return kinds_[static_cast<std::size_t>(half_edge)];

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/parallel.hpp"
-#include "surface/ordered_face.hpp"
+#include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -71,9 +71,8 @@ void measure_edges(RemeshResult& mesh) {
 }
 
 /// Triangles that face away from the faces that their corners lie on.
-std::size_t count_flipped(const Surface& surface, const RemeshResult& mesh) {
-  const std::vector<Vec3> vertices = surface.vertices();
-  const std::vector<Face> faces = surface.faces();
+std::size_t count_flipped(const Surface& surface, const FeatureLines& lines,
+                          const RemeshResult& mesh) {
   const auto normal_of = [](std::span<const Vec3> points, const Face& t) {
     return Vec3((points[as_index(t[1])] - points[as_index(t[0])])
                     .cross(points[as_index(t[2])] - points[as_index(t[0])])
@@ -82,15 +81,15 @@ std::size_t count_flipped(const Surface& surface, const RemeshResult& mesh) {
   return static_cast<std::size_t>(std::ranges::count_if(mesh.faces, [&](const Face& t) {
     const Vec3 normal = normal_of(mesh.vertices, t);
     return std::ranges::all_of(t, [&](std::int32_t v) {
-      const Face& source = faces[as_index(mesh.source_faces[as_index(v)])];
-      return normal.dot(normal_of(vertices, source)) < 0.0;
+      const OrderedFace source = surface.ordered().counted_face(mesh.source_faces[as_index(v)]);
+      return lines.sign(source) * normal.dot(surface.ordered().geometry(source).normal) < 0.0;
     });
   }));
 }
 
 }  // namespace
 
-void measure_mesh(const Surface& surface, RemeshResult& mesh) {
+void measure_mesh(const Surface& surface, const FeatureLines& lines, RemeshResult& mesh) {
   RemeshReport& report = mesh.report;
   report.vertices = mesh.vertices.size();
   report.faces = mesh.faces.size();
@@ -100,7 +99,7 @@ void measure_mesh(const Surface& surface, RemeshResult& mesh) {
                                          std::ranges::count(mesh.features, VertexFeature::kLine));
   measure_angles(mesh);
   measure_edges(mesh);
-  report.flipped = count_flipped(surface, mesh);
+  report.flipped = count_flipped(surface, lines, mesh);
   report.border_loops = -1;
   if (mesh.faces.empty()) return;
   SurfaceOptions plain;

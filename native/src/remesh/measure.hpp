@@ -3,9 +3,12 @@
 
 #include <dapple/remesh.hpp>
 
+#include "lines/feature_lines.hpp"
+
 namespace dapple {
 
 /// Write angles, valences and topology of the mesh into its report.
-void measure_mesh(const Surface& surface, RemeshResult& mesh);
+/// \param lines tell which faces of the surface are turned over in the mesh
+void measure_mesh(const Surface& surface, const FeatureLines& lines, RemeshResult& mesh);
 
 }  // namespace dapple

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <dapple/errors.hpp>
+#include <dapple/refine.hpp>
 #include <dapple/remesh.hpp>
 #include <limits>
 #include <numbers>
@@ -28,9 +29,12 @@ constexpr int kPatience = 6;                            // rounds that mend noth
 constexpr std::size_t kMostTimes = 4, kMostMore = 500;  // most sites, by the count asked for
 constexpr int kDroppings = 6;                           // times that creases are given up
 constexpr int kThinnings = 6;                           // rounds of taking sites away elsewhere
-constexpr int kFreeRings = 3;        // around sites that are gone, which make room
-constexpr int kFewEvaluations = 12;  // after local changes
-constexpr double kSolved = 0.8;      // of the progress
+constexpr int kFreeRings = 3;                  // around sites that are gone, which make room
+constexpr int kFewEvaluations = 12;            // after local changes
+constexpr double kFirst = 0.6, kSecond = 0.9;  // of the progress, if it is done again
+constexpr double kFiner = 0.5;                 // spacings: their edges
+constexpr std::size_t kFinerFaces = 40;
+constexpr double kSolved = 0.8;  // of the progress
 constexpr double kMended = 0.95;
 
 /// The distance between neighbors where the density is 1, if `count` vertices are spaced evenly:
@@ -49,19 +53,28 @@ ClassOptions class_options(const RemeshOptions& options) {
   return result;
 }
 
+LineRules rules_of(const Surface& surface, std::size_t count, const RemeshOptions& options) {
+  return {.feature_angle = options.feature_angle,
+          .scale = surface.spacing(count),
+          .marked = options.edges};
+}
+
 /// Finds the sites whose dual is the mesh.
 class Remesher {
  public:
+  /// The surface and the options must outlive it.
   Remesher(const Surface& surface, std::size_t count, const RemeshOptions& options,
-           Context* context)
-      : surface_(surface), count_(count), options_(options), lines_(surface, rules(), context) {}
+           FeatureLines lines)
+      : surface_(surface), count_(count), options_(options), lines_(std::move(lines)) {}
 
-  void run(Context* context) {
+  /// \param gives_up whether creases and marked edges are dropped where nothing else helps
+  void run(bool gives_up, Context* context) {
     Stretch solving(context, 0.0, kSolved), mending(context, kSolved, kMended),
         thinning(context, kMended, 1.0);
     solve(solving.context());
     mend_all(mending.context());
-    for (int k = 0; k < kDroppings && !dual_.violations.empty() && drop_hopeless(); ++k) {
+    for (int k = 0; k < kDroppings && gives_up && !dual_.violations.empty() && drop_hopeless();
+         ++k) {
       solve(mending.context());
       mend_all(mending.context());
     }
@@ -73,12 +86,6 @@ class Remesher {
   [[nodiscard]] RemeshResult result() const;
 
  private:
-  [[nodiscard]] LineRules rules() const {
-    return {.feature_angle = options_.feature_angle,
-            .scale = surface_.spacing(count_),
-            .marked = options_.edges};
-  }
-
   /// Drop creases at which the topology cannot be reached, such as two that touch; then marked
   /// edges.
   bool drop_hopeless() {
@@ -90,8 +97,11 @@ class Remesher {
       mark(sites_.chains[as_index(violation.site)]);
       if (violation.place.half_edge >= 0) mark(lines_.chain_of(violation.place.half_edge));
     }
-    std::size_t dropped = lines_.drop_chains(surface_, hopeless, LineKind::kCrease, rules());
-    if (dropped == 0) dropped = lines_.drop_chains(surface_, hopeless, LineKind::kMarked, rules());
+    std::size_t dropped = lines_.drop_chains(surface_, hopeless, LineKind::kCrease,
+                                             rules_of(surface_, count_, options_));
+    if (dropped == 0)
+      dropped = lines_.drop_chains(surface_, hopeless, LineKind::kMarked,
+                                   rules_of(surface_, count_, options_));
     dropped_lines_ += dropped;
     return dropped > 0;
   }
@@ -310,19 +320,73 @@ void check(std::size_t count, const RemeshOptions& options) {
 
 }  // namespace
 
+namespace {
+
+/// Move the vertices from finer faces to those of the surface.
+void name_parents(const Refined& fine, RemeshResult& mesh) {
+  const OrderedSurface& whole = fine.original.ordered();
+  for (std::size_t k = 0; k < mesh.vertices.size(); ++k) {
+    const auto piece = as_index(mesh.source_faces[k]);
+    Vec3 weights = Vec3::Zero();
+    for (int c = 0; c < 3; ++c)
+      weights += mesh.barycentric[k][c] * fine.barycentric[piece][as_index(c)];
+    mesh.source_faces[k] = fine.parents[piece];
+    mesh.barycentric[k] = weights;
+    mesh.vertices[k] = whole.point(whole.ordered_face(fine.parents[piece]), weights);
+  }
+}
+
+/// Cells are divided face by face where straight lines go through walls: on large faces some reach
+/// the other side of a wall that they are not connected to. On finer ones they do not.
+RemeshResult remesh_on_finer_faces(const Surface& surface, std::size_t count,
+                                   const RemeshOptions& options, const FeatureLines& lines,
+                                   Context* context) {
+  const double longest = kFiner * surface.spacing(count);
+  const Refined fine = refine_edges(
+      surface, {&longest, 1},
+      std::min(kMostRefinedFaces, kFinerFaces * (count + surface.face_count())), nullptr);
+  Remesher remesher(fine.surface, count, options,
+                    FeatureLines(fine, lines, rules_of(surface, count, options)));
+  remesher.run(/*gives_up=*/true, context);
+  RemeshResult made = remesher.result();
+  name_parents(fine, made);
+  return made;
+}
+
+RemeshResult best_remesh(const Surface& surface, std::size_t count, const RemeshOptions& options,
+                         Context* context) {
+  Stretch first(context, 0.0, kFirst), second(context, kFirst, kSecond),
+      third(context, kSecond, 1.0);
+  const FeatureLines lines(surface, rules_of(surface, count, options), context);
+  const auto on_its_faces = [&](bool gives_up, Context* part) {
+    Remesher remesher(surface, count, options, lines);
+    remesher.run(gives_up, part);
+    return remesher.result();
+  };
+  RemeshResult made = on_its_faces(/*gives_up=*/false, first.context());
+  const auto take_better = [&](RemeshResult other) {
+    const auto worth = [](const RemeshResult& mesh) {
+      return std::tuple(mesh.report.flaws, mesh.report.dropped_lines, mesh.vertices.size());
+    };
+    if (worth(other) < worth(made)) made = std::move(other);
+  };
+  if (made.report.flaws > 0)
+    take_better(remesh_on_finer_faces(surface, count, options, lines, second.context()));
+  if (made.report.flaws > 0) take_better(on_its_faces(/*gives_up=*/true, third.context()));
+  const StageSpan reporting(context, Stage::kReporting);
+  measure_mesh(surface, lines, made);
+  return made;
+}
+
+}  // namespace
+
 RemeshResult remesh(const Surface& surface, std::size_t count, const RemeshOptions& options,
                     Context* context) {
   TimedCall call(context);
   check(count, options);
   if (context) context->check();
-  RemeshResult mesh = with_threads(options.threads, [&] {
-    Remesher remesher(surface, count, options, call.context());
-    remesher.run(call.context());
-    RemeshResult made = remesher.result();
-    const StageSpan reporting(call.context(), Stage::kReporting);
-    measure_mesh(surface, made);
-    return made;
-  });
+  RemeshResult mesh = with_threads(
+      options.threads, [&] { return best_remesh(surface, count, options, call.context()); });
   Report times;
   call.write(times);
   mesh.report.seconds = times.seconds;

@@ -212,6 +212,26 @@ TEST(Remesh, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(a.faces, b.faces);
 }
 
+/// A long blade of a few large faces, with an edge of 10 degrees.
+Shape blade() {
+  const double half = 0.5, thick = 0.0875 * half;
+  return {"Blade",
+          {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, half, thick), Vec3(4, half, thick),
+           Vec3(0, half, -thick), Vec3(4, half, -thick)},
+          {{0, 1, 3}, {0, 3, 2}, {1, 0, 4}, {1, 4, 5}, {2, 3, 5}, {2, 5, 4}, {0, 2, 4}, {1, 5, 3}}};
+}
+
+TEST(Remesh, CellsOfABladeDoNotGoThroughIt) {
+  const Surface surface = blade().surface();
+  for (const std::size_t count : {60u, 150u, 400u}) {
+    const RemeshResult mesh = remesh(surface, count);
+    EXPECT_EQ(mesh.report.flaws, 0u);
+    EXPECT_EQ(mesh.report.dropped_lines, 0u);
+    EXPECT_EQ(mesh.report.euler, 2);
+    EXPECT_NEAR(area_of(mesh), surface.area(), 1e-9);
+  }
+}
+
 TEST(Remesh, StopsWhenCancelled) {
   Context context;
   context.cancel();
