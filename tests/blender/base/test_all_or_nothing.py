@@ -210,6 +210,7 @@ CASES = [
     ("reattach", {}, at_rest, "blender.display.preview.restart"),
     ("make_tiles", {}, scattered, "blender.tiles.operators.write_tiles"),
     ("make_tiles", {}, tiled, "blender.tiles.operators.write_tiles"),
+    ("remesh", {"count": 60}, scenes.sphere, "blender.remesh.operators.write_new"),
     ("edit_points", {}, scattered, f"{HAND}.operators.begin_editing"),
     ("finish_editing_points", {}, edited, f"{HAND}.operators.end_editing"),
     ("place_point", {}, edited, f"{HAND}.operators.add_vertex"),
