@@ -8,10 +8,11 @@
 #include <memory>
 #include <utility>
 
+#include "optimize/contacts.hpp"
+
 namespace dapple {
 namespace {
 
-constexpr int kSweeps = 20;           // over the pairs that moves bring too close
 constexpr double kNearly = 1e-4;      // of R: the overlap that may remain
 constexpr double kMargin = 3e-4;      // of R: the distance kept beyond R
 constexpr double kCoincident = 1e-9;  // of R: assumed distance between coincident sites
@@ -98,21 +99,6 @@ void for_each_pair(const Discs& discs, double beyond, const Visit& visit) {
   }
 }
 
-/// Two discs that moves may bring into contact. Directions are tangential at both ends, because a
-/// site stays in its plane.
-struct Contact {
-  std::size_t i, j;
-  double gap;       ///< distance - R
-  Vec3 at_i, at_j;  ///< the direction from j to i in the plane of each; zero if locked
-  double room;      ///< increase of the gap if both sites move by one unit along at_i and -at_j
-  double nearly;    ///< the overlap that may remain
-
-  /// The overlap after the moves.
-  [[nodiscard]] double excess(const Vectors& moves) const {
-    return -(gap + at_i.dot(moves[i]) - at_j.dot(moves[j]));
-  }
-};
-
 double longest(const Vectors& moves) {
   double most = 0.0;
   for (const Vec3& move : moves) most = std::max(most, move.squaredNorm());
@@ -122,17 +108,9 @@ double longest(const Vectors& moves) {
 std::vector<Contact> contacts_of(const Discs& discs, const std::vector<bool>& locked,
                                  double beyond) {
   std::vector<Contact> found;
-  const auto in_plane = [&](std::size_t k, const Vec3& direction) -> Vec3 {
-    if (!locked.empty() && locked[k]) return Vec3::Zero();
-    return direction - discs.normals[k].dot(direction) * discs.normals[k];
-  };
+  const Planes planes{discs.normals, locked};
   for_each_pair(discs, beyond, [&](std::size_t i, std::size_t j, const Vec3& d, double apart) {
-    const double distance = d.norm();
-    const Vec3 at_i = in_plane(i, d / distance), at_j = in_plane(j, d / distance);
-    const double room = at_i.squaredNorm() + at_j.squaredNorm();
-    if (room > 0.0)
-      found.push_back(
-          {i, j, distance - (1.0 + kMargin) * apart, at_i, at_j, room, kNearly * apart});
+    add_contact(planes, i, j, d, (1.0 + kMargin) * apart, kNearly * apart, found);
   });
   return found;
 }
@@ -154,26 +132,12 @@ Repulsion evaluate_disc_repulsion(const Discs& discs, double weight) {
   return repulsion;
 }
 
-// Each contact restricts the moves to a half-space. The moves are projected onto one half-space
-// after another (Gauss-Seidel), so that a disc pressed against others moves to where there is
-// space, also along them.
 void keep_discs_apart(const Discs& discs, const std::vector<bool>& locked, Vectors& moves) {
   const double reach = 2.0 * longest(moves);
-  std::vector<Contact> contacts = contacts_of(discs, locked, reach);
+  const std::vector<Contact> contacts = contacts_of(discs, locked, reach);
   const double push = largest_excess(contacts, moves);
   if (!(push > 0.0)) return;
-  contacts = contacts_of(discs, locked, reach + 2.0 * push);  // pushed discs may meet others
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    bool any = false;
-    for (const Contact& contact : contacts) {
-      const double excess = contact.excess(moves);
-      if (excess <= contact.nearly) continue;
-      moves[contact.i] += excess / contact.room * contact.at_i;
-      moves[contact.j] -= excess / contact.room * contact.at_j;
-      any = true;
-    }
-    if (!any) return;
-  }
+  separate(contacts_of(discs, locked, reach + 2.0 * push), moves);  // pushed discs may meet others
 }
 
 }  // namespace dapple

@@ -12,6 +12,13 @@ namespace {
 // step determines the smallest distance of the next state; with 1 the steps become too short (0.95
 // to 0.98 measured about the same, 0.98 best).
 constexpr double kNear = 0.98;
+// The distance that a step leaves between two sites, relative to the repulsion radius: the few
+// pairs that are nearer than the others by far are separated at once, where the minimum of the
+// energy is reached only after many more steps.
+constexpr double kLeast = 0.92, kLeastOfLarger = 0.87, kMostOfMean = 1.06;
+constexpr double kFew = 0.08;     // share of the sites: if more are so near, nothing is separated
+constexpr double kBeyond = 0.1;   // of the distance: farther sites are not pushed into others
+constexpr double kNearly = 1e-3;  // of the distance: the difference that may remain
 
 /// Call visit(i, j, offset from j to i, out) for every pair of sites whose cells touch, in
 /// parallel, and return the contents of `out`, in the order of the sites.
@@ -31,6 +38,41 @@ std::vector<Found> of_touching_pairs(const RestrictedVoronoi& diagram, const Vis
   std::vector<Found> all;
   for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
   return all;
+}
+
+void sort_unique(std::vector<std::size_t>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+/// The distance at which touching sites are kept apart. Where the density changes quickly, the mean
+/// of the radii is little for the site with the larger one.
+double least_distance(double a, double b) {
+  const double mean = 0.5 * (a + b);
+  return std::clamp(kLeastOfLarger * std::max(a, b), kLeast * mean, kMostOfMean * mean);
+}
+
+/// Sites that are nearer to a touching one than that after the moves; sorted.
+std::vector<std::size_t> crowded_sites(const RestrictedVoronoi& diagram,
+                                       const std::vector<double>& radii, const Vectors& moves) {
+  std::vector<std::size_t> sites = of_touching_pairs<std::size_t>(
+      diagram, [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<std::size_t>& out) {
+        if ((d + moves[i] - moves[j]).norm() < least_distance(radii[i], radii[j]))
+          out.insert(out.end(), {i, j});
+      });
+  sort_unique(sites);
+  return sites;
+}
+
+/// The sites and those whose cells touch theirs; sorted.
+std::vector<std::size_t> with_neighbors(const RestrictedVoronoi& diagram,
+                                        std::vector<std::size_t> sites) {
+  const std::size_t count = sites.size();
+  for (std::size_t k = 0; k < count; ++k)
+    for (const CellBoundary& side : diagram.boundary(sites[k]))
+      sites.push_back(static_cast<std::size_t>(side.neighbor));
+  sort_unique(sites);
+  return sites;
 }
 
 }  // namespace
@@ -82,6 +124,29 @@ std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vect
   for (std::size_t k = 0; k < radii.size(); ++k)
     if (shortened[k]) moves[k] *= 0.5;
   return static_cast<std::size_t>(std::count(shortened.begin(), shortened.end(), true));
+}
+
+std::vector<Contact> crowded_contacts(const RestrictedVoronoi& diagram,
+                                      const std::vector<double>& radii, const Vectors& normals,
+                                      const std::vector<bool>& locked, const Vectors& moves) {
+  std::vector<Contact> contacts;
+  if (radii.empty()) return contacts;
+  const std::vector<std::size_t> crowded = crowded_sites(diagram, radii, moves);
+  if (crowded.empty() ||
+      static_cast<double>(crowded.size()) > kFew * static_cast<double>(radii.size()))
+    return contacts;
+  const Planes planes{normals, locked};
+  const std::vector<std::size_t> around = with_neighbors(diagram, crowded);
+  for (const std::size_t i : around)
+    for (const CellBoundary& side : diagram.boundary(i)) {
+      const auto j = static_cast<std::size_t>(side.neighbor);
+      if (j <= i && (j == i || std::binary_search(around.begin(), around.end(), j))) continue;
+      const Vec3 d = -side.offset;
+      const double least = least_distance(radii[i], radii[j]);
+      if (d.squaredNorm() > 0.0 && (d + moves[i] - moves[j]).norm() <= (1.0 + kBeyond) * least)
+        add_contact(planes, i, j, d, least, kNearly * least, contacts);
+    }
+  return contacts;
 }
 
 const ClosePair* worst_pair(const Repulsion& repulsion) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/vectors.hpp"
+#include "optimize/contacts.hpp"
 
 namespace dapple {
 
@@ -49,6 +50,15 @@ void update_repulsion(Repulsion& repulsion, const RestrictedVoronoi& diagram,
 /// \return how many sites that were
 std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
                                Vectors& moves);
+
+/// Pairs of touching sites to be kept apart by kLeast r_ij: those that moves leave nearer, and
+/// those around them. None if many are that near, as in white noise. \param normals of the surface,
+/// per site \param locked per site, whether it stays; empty: none
+[[nodiscard]] std::vector<Contact> crowded_contacts(const RestrictedVoronoi& diagram,
+                                                    const std::vector<double>& radii,
+                                                    const Vectors& normals,
+                                                    const std::vector<bool>& locked,
+                                                    const Vectors& moves);
 
 /// The closest of the pairs; null if there is none.
 [[nodiscard]] const ClosePair* worst_pair(const Repulsion& repulsion);

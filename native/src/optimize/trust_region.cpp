@@ -41,6 +41,48 @@ Vectors keep_apart(const Objective& objective, const Evaluation& state, Vectors 
   return direction;
 }
 
+/// The repulsion radii of the cells as they are: those of the term never grow.
+std::vector<double> radii_now(const Objective& objective, const Evaluation& state, std::size_t t) {
+  const Term& term = objective.terms[t];
+  if (term.repulsion_weight == 0.0 || term.domain->uniform()) return term.radii;
+  std::vector<double> radii(term.radii.size());
+  for_each_vector(radii.size(), [&](std::size_t k) {
+    radii[k] = term.repulsion_radius * local_spacing(objective, state, t, k);
+  });
+  return radii;
+}
+
+/// Those of the values that belong to members; empty if there are no values.
+template <typename Values>
+Values select_values(const Values& values, const std::vector<std::int32_t>& members) {
+  Values chosen;
+  if (!values.empty())
+    for (const std::int32_t k : members) chosen.push_back(values[static_cast<std::size_t>(k)]);
+  return chosen;
+}
+
+/// Separates sites that are much nearer than others of their class or of all.
+void separate_crowded(const Objective& objective, const Evaluation& state, Vectors& direction) {
+  std::vector<Contact> all;
+  for (std::size_t t = 0; t < objective.terms.size(); ++t) {
+    const std::vector<std::int32_t>& members = objective.terms[t].members;
+    const RestrictedVoronoi& diagram = state.parts[t].energy.diagram;
+    const std::vector<double> radii = radii_now(objective, state, t);
+    if (members.empty()) {
+      all = crowded_contacts(diagram, radii, state.normals, objective.locked, direction);
+      continue;
+    }
+    for (Contact contact : crowded_contacts(diagram, radii, select_values(state.normals, members),
+                                            select_values(objective.locked, members),
+                                            select_values(direction, members))) {
+      contact.i = static_cast<std::size_t>(members[contact.i]);
+      contact.j = static_cast<std::size_t>(members[contact.j]);
+      all.push_back(contact);
+    }
+  }
+  separate(all, direction);
+}
+
 /// Per site, whether it belongs to a rare class.
 std::vector<bool> of_rare_classes(const Objective& objective, std::size_t sites) {
   std::vector<bool> rare(sites, false);
@@ -84,6 +126,7 @@ Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
     const bool descends = dot(direction, state.gradient) < 0.0;
     if ((excess <= 1.0 + kRounding && descends) || delta_ > kMost) {
       direction = keep_apart(objective, state, std::move(direction));
+      if (separates_) separate_crowded(objective, state, direction);
       if (objective.holds_discs)
         keep_discs_apart(discs_of(objective, state), objective.locked, direction);
       return direction;
@@ -103,6 +146,7 @@ void TrustRegion::update_radius(bool found, double shortened) {
   else
     delta_ = std::max(least_delta_, kFull * delta_);
   delta_ = std::min(delta_, kMost);
+  separates_ = found && shortened == 1.0;
 }
 
 double TrustRegion::promised(const Objective& objective, const Evaluation& state,

@@ -37,6 +37,7 @@ class TrustRegion {
   bool exact_;
   double delta_ = 1.0;
   double least_delta_ = 1.0;
+  bool separates_ = true;  // crowded sites, unless the last step failed or was shortened
 };
 
 }  // namespace dapple
