@@ -2,6 +2,7 @@
 #include "track/turnover.hpp"
 
 #include <algorithm>
+#include <dapple/analysis.hpp>
 #include <dapple/poisson_start.hpp>
 
 #include "rebalance/rebalance.hpp"
@@ -9,17 +10,20 @@
 namespace dapple {
 namespace {
 
-constexpr double kShare =
-    0.005;  // share of the samples that are exchanged although the area is constant
+// Share of the samples that are exchanged although the area is constant, if the capacities vary by
+// more than kUneven; with less, samples that only move end up more even.
+constexpr double kShare = 0.005, kUneven = 0.1;
 
 double apart(std::size_t a, std::size_t b) {
   return static_cast<double>(std::max(a, b) - std::min(a, b));
 }
 
 /// The number of samples that may be exchanged in addition to those that have lost their surface.
-std::size_t spare_pairs(std::size_t before, std::size_t there, std::size_t count) {
+/// \param uneven whether the samples that are left are uneven
+std::size_t spare_pairs(std::size_t before, std::size_t there, std::size_t count, bool uneven) {
   const double needed = apart(before, there) + apart(there, count);
-  const double most = apart(before, count) + kShare * static_cast<double>(before);
+  const double share = uneven ? kShare : 0.0;
+  const double most = apart(before, count) + share * static_cast<double>(before);
   return static_cast<std::size_t>(std::max(0.0, 0.5 * (most - needed)));
 }
 
@@ -29,9 +33,12 @@ Turnover turn_over(const Surface& surface, const Domain& domain, const Transferr
                    std::size_t before, std::size_t count, std::uint64_t seed, Context* context) {
   if (there.which.empty() || count == 0)
     return {poisson_start(surface, count, seed, context), std::vector<std::int32_t>(count, -1)};
-  const Rebalanced found =
-      rebalance(domain, there.sites, count, seed, context,
-                surface.uniform() ? spare_pairs(before, there.which.size(), count) : kAnyNumber);
+  std::size_t pairs = kAnyNumber;
+  if (surface.uniform()) {
+    const Evenness now = measure_evenness(domain.cells(there.sites, context));
+    pairs = spare_pairs(before, there.which.size(), count, now.capacity_variation > kUneven);
+  }
+  const Rebalanced found = rebalance(domain, there.sites, count, seed, context, pairs);
   Turnover result;
   const auto add = [&](const Sites& from, std::size_t k, std::int32_t origin) {
     result.sites.positions.push_back(from.positions[k]);
