@@ -159,7 +159,7 @@ std::vector<Verb> by_face() {
        [](const auto& s, const auto& p) { (void)SurfaceDomain(s).project(p.positions, p.faces); }},
       {"WalkedHints",
        [](const auto& s, const auto& p) {
-         const SurfaceDomain domain(s, Cells::kConnected, Steps::kConnected);
+         const SurfaceDomain domain(s, Cells::kConnected);
          (void)domain.project(p.positions, p.faces);
        }},
   };

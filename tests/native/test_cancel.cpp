@@ -454,15 +454,14 @@ TEST(Watched, AProjector) {
   EXPECT_GT(count_checks([&](Context* context) { (void)Projector(surface, false, context); }),
             before_the_tree)
       << "Embree is not asked";
-  const std::vector<std::int32_t> hints(points.size(), 0);
-  const std::vector<Vec3> expected = SurfaceDomain(surface).project(points, hints).positions;
+  const std::vector<Vec3> expected = SurfaceDomain(surface).project(points, {}).positions;
   std::unique_ptr<SurfaceDomain> domain;
   cancel_everywhere(
       [&](Context* context) {
         domain = std::make_unique<SurfaceDomain>(surface);
-        (void)domain->project(points, hints, context);
+        (void)domain->project(points, {}, context);
       },
-      [&] { EXPECT_TRUE(same_bytes(domain->project(points, hints).positions, expected)); });
+      [&] { EXPECT_TRUE(same_bytes(domain->project(points, {}).positions, expected)); });
 }
 
 TEST(Watched, AFrameInParts) {

@@ -72,14 +72,6 @@ class Domain {
 class CellBuilders;
 class CellSurfaces;
 
-/// How a moved point returns to the surface.
-enum class Steps {
-  kAnywhere,  ///< to the nearest point of the surface, unless that lies on another sheet
-  kConnected  ///< to the nearest point reached by walking from the face that it left; needs no
-              ///< projector, which takes longer to build than a few steps on a surface that soon
-              ///< changes again
-};
-
 /// Whether faces without density far from all sites, and parts without sites, belong to cells.
 enum class EmptyFaces {
   kCovered,  ///< they belong to cells, like all faces
@@ -87,15 +79,14 @@ enum class EmptyFaces {
          ///< other cell
 };
 
-/// A surface with its projector. Sites stay where the density is positive, and no step carries one
-/// to another sheet.
+/// A surface. Sites stay where the density is positive, and no step carries one to another sheet: a
+/// moved point goes to the nearest point reached by walking from the face that it left.
 class SurfaceDomain final : public Domain {
  public:
   /// \param sides the two sides of thin walls, where they are known; otherwise they are found from
   /// the number of sites
   explicit SurfaceDomain(const Surface& surface, Cells cells = Cells::kConnected,
-                         Steps steps = Steps::kAnywhere, KnownSides sides = std::nullopt,
-                         EmptyFaces empty = EmptyFaces::kCovered);
+                         KnownSides sides = std::nullopt, EmptyFaces empty = EmptyFaces::kCovered);
 
   void update_cells(RestrictedVoronoi& diagram, const Sites& sites,
                     Context* context) const override;
@@ -120,7 +111,6 @@ class SurfaceDomain final : public Domain {
 
   Surface surface_;
   Cells cells_;
-  Steps steps_;
   EmptyFaces empty_;
   std::shared_ptr<CellSurfaces> cell_surfaces_;
   std::shared_ptr<CellBuilders> builders_;

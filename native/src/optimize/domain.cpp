@@ -8,10 +8,10 @@
 #include "base/hexagonal.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
-#include "surface/local_projection.hpp"
 #include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
+#include "surface/walk.hpp"
 #include "voronoi/cell_builders.hpp"
 #include "voronoi/cell_surface.hpp"
 #include "voronoi/unit_voronoi.hpp"
@@ -33,11 +33,10 @@ RestrictedVoronoi Domain::cells(const Sites& sites, Context* context) const {
   return diagram;
 }
 
-SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps, KnownSides sides,
+SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, KnownSides sides,
                              EmptyFaces empty)
     : surface_(surface),
       cells_(cells),
-      steps_(steps),
       empty_(empty),
       cell_surfaces_(std::make_shared<CellSurfaces>(cells, std::move(sides))),
       builders_(std::make_shared<CellBuilders>()) {}
@@ -58,13 +57,12 @@ void SurfaceDomain::update_cells(RestrictedVoronoi& diagram, const Sites& sites,
 Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                              const Context* context) const {
   if (points.empty()) return {};  // avoids creating a projector
-  const bool walks = steps_ == Steps::kConnected && !hints.empty();
+  const bool walks = !hints.empty();
   if (walks) check_hints(surface_, points, hints);
   const Surface ground = stepping_surface();
-  Projection found = walks ? LocalProjection(ground).walk(points, hints, context)
+  Projection found = walks ? walk_to_nearest(ground, points, hints, context)
                            : projector(context).project(points, hints, context);
   if (walks) lead_from_empty_faces(ground, points, found, context);
-  if (!hints.empty() && !walks) LocalProjection(ground).mend(points, hints, found, context);
   move_off_zeros(ground, found.faces, found.barycentric, found.positions);
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }

@@ -254,8 +254,7 @@ void ClassRelaxation::relax_together(std::span<const std::size_t> group, Context
   const Participants participants = participants_of(group);
   for (std::size_t k = 0; k < group.size(); ++k) {
     const auto& domain = domains.emplace_back(std::make_unique<const SurfaceDomain>(
-        regions[k].part.surface(), Cells::kConnected, Steps::kConnected, /*sides=*/nullptr,
-        EmptyFaces::kLeft));
+        regions[k].part.surface(), Cells::kConnected, /*sides=*/nullptr, EmptyFaces::kLeft));
     free_classes.push_back(
         {&regions[k], domain.get(), domain->density_unit() / participants.relaxed[k].weight});
   }

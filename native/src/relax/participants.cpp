@@ -111,7 +111,7 @@ Minimum minimize_free(std::span<const FreeClass> free_classes, const Participant
   Gathered gathered = gather(free_classes, participants);
   ClassProblem& problem = gathered.problem;
   const UnionPart union_part = union_on(free_classes[0].region->part, participants);
-  const SurfaceDomain cells(union_part.surface, Cells::kConnected, Steps::kConnected,
+  const SurfaceDomain cells(union_part.surface, Cells::kConnected,
                             /*sides=*/nullptr, EmptyFaces::kLeft);
   problem.all = problem.classes[0].domain;
   if (gathered.start.size() > problem.classes[0].count)

@@ -132,7 +132,7 @@ class Remesher {
 
   /// Sites on the edges of thin walls belong to both sides, which are not taken apart then.
   [[nodiscard]] ClassProblem problem_of(const SampleClass& all) const {
-    return surface_classes(surface_, {&all, 1}, options_.cells, Steps::kAnywhere,
+    return surface_classes(surface_, {&all, 1}, options_.cells,
                            lines_.chains().empty() ? KnownSides() : KnownSides(nullptr));
   }
 

@@ -128,7 +128,7 @@ Report analyze(const Surface& surface, const Samples& samples, double capacity_w
   check_samples(surface, samples);
   const Sites sites{samples.positions, samples.faces, samples.barycentric};
   // The domain is that of an optimization, so that both report the same values.
-  const SurfaceDomain domain(surface, cells, Steps::kAnywhere, std::nullopt, EmptyFaces::kLeft);
+  const SurfaceDomain domain(surface, cells, std::nullopt, EmptyFaces::kLeft);
   Report report;
   Stretch evaluating(context, 0.0, kEvaluated);
   const Energy energy = evaluate_energy(domain, sites, capacity_weight, evaluating.context());

@@ -220,8 +220,8 @@ Samples resample(const Surface& surface, const Samples& samples, std::size_t cou
   check_options(options);
   check_locked(options.locked, samples, count);
   Samples result = with_threads(options.threads, [&] {
-    const SurfaceDomain domain(surface, options.cells, Steps::kAnywhere,
-                               sides_for(surface, count, options.cells), EmptyFaces::kLeft);
+    const SurfaceDomain domain(surface, options.cells, sides_for(surface, count, options.cells),
+                               EmptyFaces::kLeft);
     const double begun = beginning(samples.size(), count);
     Stretch starting(call.context(), 0.0, begun), evening(call.context(), begun, 1.0);
     const Beginning first = in_stage(call.context(), Stage::kStart, [&] {

@@ -56,20 +56,20 @@ void check_locked(const Surface& surface, std::span<const SampleClass> classes) 
 }  // namespace
 
 ClassProblem surface_classes(const Surface& surface, std::span<const SampleClass> classes,
-                             Cells cells, Steps steps, KnownSides sides) {
+                             Cells cells, KnownSides sides) {
   check_faces(surface, classes);
   check_locked(surface, classes);
   if (!sides) sides = sides_for(surface, total(classes), cells);
   const auto own_domain =
-      std::make_shared<const SurfaceDomain>(surface, cells, steps, sides, EmptyFaces::kLeft);
+      std::make_shared<const SurfaceDomain>(surface, cells, sides, EmptyFaces::kLeft);
   ClassProblem problem;
   const SampleClass* only = nullptr;  // the class that is not empty, if there is just one
   std::size_t filled = 0;
   bool alike = true;  // whether all classes have the surface's own density
   for (const SampleClass& member : classes) {
     problem.classes.push_back({member.surface
-                                   ? std::make_shared<const SurfaceDomain>(
-                                         *member.surface, cells, steps, sides, EmptyFaces::kLeft)
+                                   ? std::make_shared<const SurfaceDomain>(*member.surface, cells,
+                                                                           sides, EmptyFaces::kLeft)
                                    : own_domain,
                                member.count, member.radius, member.locked});
     alike = alike && !member.surface;
@@ -83,7 +83,7 @@ ClassProblem surface_classes(const Surface& surface, std::span<const SampleClass
     problem.all = problem.classes[static_cast<std::size_t>(only - classes.data())].domain;
   else
     problem.all = std::make_shared<const SurfaceDomain>(union_surface(surface, classes), cells,
-                                                        steps, sides, EmptyFaces::kLeft);
+                                                        sides, EmptyFaces::kLeft);
   return problem;
 }
 

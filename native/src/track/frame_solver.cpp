@@ -67,7 +67,7 @@ struct Frame {
         const std::vector<std::int32_t>& class_of, const TrackerOptions& options,
         const KnownSides& sides)
       : classes(std::move(members)),
-        problem(surface_classes(surface, classes, options.cells, Steps::kConnected, sides)),
+        problem(surface_classes(surface, classes, options.cells, sides)),
         objective(make_objective(
             problem, classes.size() > 1 ? class_of : std::vector<std::int32_t>(class_of.size(), 0),
             {.union_weight = options.union_weight, .sample = {.optimizer = options.optimizer}})) {

@@ -223,7 +223,7 @@ Population::Crossing Population::cross(const Surface& next, Context* context) co
   const std::size_t count = whole_count(result.density * next.capacity(), last.size());
   Stretch beginning(context, kFound, kBegun), evening(context, kBegun, 1.0);
   const Transfer transfer(surface(), next, sites_of(last), {kind.density, options_.reach}, context);
-  const SurfaceDomain domain(next, options_.tracker.cells, Steps::kConnected);
+  const SurfaceDomain domain(next, options_.tracker.cells);
   const auto [sites, origin] = turn_over(next, domain, transfer.samples(), last.size(), count,
                                          static_cast<std::uint64_t>(next_id_), beginning.context());
   const Samples samples = bind_samples(next, sites.faces, sites.barycentric, ids_of(origin));

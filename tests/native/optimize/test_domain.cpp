@@ -133,7 +133,7 @@ TEST(SurfaceDomain, WalksWithoutHoppingBetweenSheetsThatLookAlike) {
   for (const Face& f : upper.faces)
     shape.faces.push_back({f[0] + count, f[1] + count, f[2] + count});
   const Surface surface = shape.surface();
-  const SurfaceDomain domain(surface, Cells::kConnected, Steps::kConnected);
+  const SurfaceDomain domain(surface, Cells::kConnected);
   const std::vector<std::int32_t> from = {0};
   const Sites moved = domain.project(std::vector<Vec3>{{0.42, 0.4, 0.04}}, from);
   EXPECT_NEAR((moved.positions[0] - Vec3(0.42, 0.4, 0.0)).norm(), 0.0, 1e-12);
@@ -142,7 +142,7 @@ TEST(SurfaceDomain, WalksWithoutHoppingBetweenSheetsThatLookAlike) {
 /// On a ball all near faces are reachable.
 TEST(SurfaceDomain, WalksToTheNearestPoint) {
   const Surface surface = icosphere(4).surface();
-  const SurfaceDomain walking(surface, Cells::kConnected, Steps::kConnected);
+  const SurfaceDomain walking(surface, Cells::kConnected);
   const Sites start = random_start(surface, 200, 1);
   std::vector<Vec3> points = start.positions;
   for (Vec3& point : points) point += Vec3(0.05, 0.02, 0.03);
@@ -154,7 +154,7 @@ TEST(SurfaceDomain, WalksToTheNearestPoint) {
 
 /// The construction of a projector checks for cancellation.
 TEST(SurfaceDomain, MakesNoProjectorBeforeItIsNeeded) {
-  const SurfaceDomain domain(blob(3).surface(), Cells::kConnected, Steps::kConnected);
+  const SurfaceDomain domain(blob(3).surface(), Cells::kConnected);
   Context cancelled;
   cancelled.cancel();
   EXPECT_EQ(domain.project({}, {}, &cancelled).size(), 0u);
