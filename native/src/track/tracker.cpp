@@ -58,7 +58,8 @@ FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, 
 Report resting(Report report) {
   report.evaluations = report.iterations = 0;
   report.parts = 1;
-  if (!report.energies.empty()) report.energies = {report.energies.back()};
+  if (report.energies.size() > 1)
+    report.energies.erase(report.energies.begin(), report.energies.end() - 1);
   report.slide_mean = report.slide_median = report.slide_max = 0.0;
   return report;
 }
