@@ -39,6 +39,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         default=5000,
         min=1,
         soft_min=8,
+        soft_max=100_000,
         max=_MOST,
     )
     feature_angle: bpy.props.FloatProperty(
