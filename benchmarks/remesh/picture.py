@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes before and after remeshing, side by side, rendered by Blender: docs/images/remesh.webp.
+
+build/venv/bin/python benchmarks/remesh/picture.py OUT.webp fandisk.ply 1500 30 bunny.ply 3000 0
+"""
+
+import math
+import sys
+from pathlib import Path
+
+import bpy
+import dapple3d as dapple
+import numpy as np
+from numpy.typing import NDArray
+
+SIZE = (1600, 440)
+SAMPLES = 64
+STEP = 1.15  # from one body to the next; each fits into a cube of 1
+LINES = 0.0016  # width of edges
+
+
+def material(name: str, gray: float) -> bpy.types.Material:
+    made = bpy.data.materials.new(name)
+    made.use_nodes = True
+    shader = made.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (gray, gray, gray, 1.0)
+    shader.inputs["Roughness"].default_value = 0.9
+    return made
+
+
+def upright(vertices: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
+    """Turned so that its y axis points up, around the origin, within a cube of 1."""
+    x, y, z = vertices.T
+    turned = np.stack(
+        [math.cos(yaw) * x + math.sin(yaw) * z, math.sin(yaw) * x - math.cos(yaw) * z, y], axis=1
+    )
+    low, high = turned.min(axis=0), turned.max(axis=0)
+    scaled: NDArray[np.float64] = (turned - 0.5 * (low + high)) / (high - low)[[0, 2]].max()
+    return scaled
+
+
+def add(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int32], at: float) -> None:
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(np.add(vertices, (at, 0.0, 0.0)).tolist(), [], faces.tolist())
+    mesh.materials.append(material("Body", 0.7))
+    mesh.materials.append(material("Lines", 0.02))
+    body = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(body)
+    lines = body.modifiers.new("Lines", "WIREFRAME")
+    lines.thickness = LINES
+    lines.use_replace = False
+    lines.use_even_offset = False
+    lines.material_offset = 1
+
+
+def set_scene(bodies: int) -> None:
+    scene = bpy.context.scene
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.data.type, camera.data.ortho_scale = "ORTHO", STEP * bodies
+    camera.location = (0.5 * STEP * (bodies - 1), -4.0, 1.0)
+    camera.rotation_euler = (math.atan2(4.0, 1.0), 0.0, 0.0)
+    sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    sun.data.energy, sun.rotation_euler = 3.0, (math.radians(50), 0.0, math.radians(-35))
+    for added in (camera, sun):
+        scene.collection.objects.link(added)
+    scene.camera = camera
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs[0].default_value = (0.8, 0.8, 0.8, 1.0)
+    scene.render.engine, scene.cycles.samples = "CYCLES", SAMPLES
+    scene.view_settings.view_transform = "Standard"
+    scene.render.resolution_x, scene.render.resolution_y = SIZE
+
+
+def main(out: str, *meshes: str) -> None:
+    """
+    Args:
+        out: the picture, as WebP.
+        meshes: a file, a number of vertices and the angle of a turn, once for each mesh.
+    """
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    for k in range(0, len(meshes), 3):
+        path, count, yaw = Path(meshes[k]), int(meshes[k + 1]), math.radians(float(meshes[k + 2]))
+        old = dapple.read_mesh(path)
+        new = dapple.remesh(dapple.Surface(old.vertices, old.faces), count)
+        # One scale for both.
+        both = upright(np.concatenate([old.vertices, new.vertices]), yaw)
+        first = len(old.vertices)
+        place = STEP * 2 * (k // 3)
+        add(path.stem, both[:first], old.faces, place)
+        add(f"{path.stem} remeshed", both[first:], new.faces, place + STEP)
+    set_scene(2 * len(meshes) // 3)
+    render = bpy.context.scene.render
+    render.image_settings.file_format, render.filepath = "WEBP", out
+    bpy.ops.render.render(write_still=True)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
