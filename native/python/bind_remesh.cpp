@@ -7,6 +7,7 @@
 #include "bindings.hpp"
 #include "keywords.hpp"
 #include "pickling.hpp"
+#include "profile.hpp"
 
 namespace dapple {
 
@@ -59,13 +60,6 @@ py::array features_of(const RemeshResult& mesh) {
   return give(std::move(values));
 }
 
-py::dict profile_of(const RemeshReport& report) {
-  py::dict result;
-  for (std::size_t k = 0; k < kStageNames.size(); ++k)
-    result[kStageNames[k]] = report.profile.seconds[k];
-  return result;
-}
-
 py::dict dict_of(const RemeshReport& r) {
   py::dict d;
   d["asked"] = r.asked;
@@ -86,7 +80,7 @@ py::dict dict_of(const RemeshReport& r) {
   d["evaluations"] = r.evaluations;
   d["converged"] = r.converged;
   d["seconds"] = r.seconds;
-  d["profile"] = profile_of(r);
+  d["profile"] = profile_dict(r.profile);
   return d;
 }
 
@@ -125,8 +119,9 @@ void bind_report(py::module_& m) {
       .def_readonly("converged", &RemeshReport::converged,
                     "False if the evaluations ran out first.")
       .def_readonly("seconds", &RemeshReport::seconds, "Wall time.")
-      .def_property_readonly("profile", &profile_of,
-                             "A dict of seconds by stage, which sum to `seconds`.")
+      .def_property_readonly(
+          "profile", [](const RemeshReport& r) { return profile_dict(r.profile); },
+          "A dict of seconds by stage, which sum to `seconds`.")
       .def("to_dict", &dict_of, "All of it as a dict that json can write.");
 }
 

@@ -12,6 +12,7 @@
 #include "classes.hpp"
 #include "keywords.hpp"
 #include "pickling.hpp"
+#include "profile.hpp"
 
 namespace dapple {
 
@@ -105,12 +106,6 @@ py::dict quality_dict(const Quality& quality) {
                   "bond_order"_a = quality.bond_order, "energy"_a = quality.energy,
                   "whole_count_variation"_a = quality.whole_count_variation,
                   "thin_share"_a = quality.evenness.thin_share);
-}
-
-py::dict profile_dict(const Profile& profile) {
-  py::dict result;
-  for (std::size_t k = 0; k < kStageNames.size(); ++k) result[kStageNames[k]] = profile.seconds[k];
-  return result;
 }
 
 py::dict report_dict(const Report& report) {
