@@ -104,12 +104,8 @@ std::int32_t CellWalk::beyond(std::int32_t edge) const {
   const std::int32_t g = surface_.ordered().next_around(h);
   double longest = 0.0;
   std::int32_t found = Side::kUnknown;
-  const Vec3 along = pieces_.to(edge) - pieces_.from(edge);
-  const double squared = along.squaredNorm();
-  if (!(squared > 0.0)) return found;
-  const auto share = [&](const Vec3& p) {
-    return std::clamp((p - pieces_.from(edge)).dot(along) / squared, 0.0, 1.0);
-  };
+  const Vec3 &from = pieces_.from(edge), &to = pieces_.to(edge);
+  const auto share = [&](const Vec3& p) { return nearest_share(p, from, to); };
   for (const std::int32_t piece : pieces_.on_face(face_of(g))) {
     if (pieces_.site_of(piece) == site_) continue;
     for (std::int32_t e = pieces_.first_edge(piece); e < pieces_.first_edge(piece + 1); ++e) {
@@ -272,11 +268,10 @@ Place CellWalk::middle(const Sheet& sheet) const {
 
 /// The corner of a sheet that is farthest from the site.
 Place CellWalk::farthest(const Sheet& sheet) const {
-  const std::int32_t number = sheet_numbers_[local(sheet.root)];
   double most = -1.0;
   std::int32_t at = sheet.root;
   for (std::int32_t e = begin_; e < end_; ++e) {
-    if (sheet_numbers_[local(e)] != number) continue;
+    if (!is_in(e, sheet)) continue;
     const double distance = (pieces_.from(e) - sites_.positions[as_index(site_)]).squaredNorm();
     if (distance > most) at = e;
     most = std::max(most, distance);
