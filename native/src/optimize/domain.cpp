@@ -57,12 +57,15 @@ void SurfaceDomain::update_cells(RestrictedVoronoi& diagram, const Sites& sites,
 Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                              const Context* context) const {
   if (points.empty()) return {};  // avoids creating a projector
-  const bool walks = !hints.empty();
-  if (walks) check_hints(surface_, points, hints);
   const Surface ground = stepping_surface();
-  Projection found = walks ? walk_to_nearest(ground, points, hints, context)
-                           : projector(context).project(points, hints, context);
-  if (walks) lead_from_empty_faces(ground, points, found, context);
+  Projection found;
+  if (hints.empty()) {
+    found = projector(context).project(points, {}, context);
+  } else {
+    check_hints(surface_, points, hints);
+    found = walk_to_nearest(ground, points, hints, context);
+    lead_from_empty_faces(ground, points, found, context);
+  }
   move_off_zeros(ground, found.faces, found.barycentric, found.positions);
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }
