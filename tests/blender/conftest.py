@@ -83,8 +83,7 @@ def pytest_runtestloop(session):
     """Where several processes share the tests, run those that no other one has taken."""
     if not _TAKEN or session.testsfailed or session.config.option.collectonly:
         return None
-    # Each test is told which one follows, so that what they share, such as a folder, is taken
-    # down in time.
+    # pytest removes what tests share, such as a folder, once the following test does not need it.
     for item, following_item in itertools.pairwise(itertools.chain(_taken(session.items), [None])):
         item.config.hook.pytest_runtest_protocol(item=item, nextitem=following_item)
         if session.shouldfail:

@@ -52,10 +52,10 @@ def test_options_reach_the_library(tmp_path, torus, surface):
 
 def test_json_holds_settings_and_figures(tmp_path, torus):
     found = done(torus, tmp_path / "e.ply", "-n", 150, "--json", "-", "-q")
-    told = json.loads(found.stdout)
-    assert told["settings"]["feature_angle"] == 30
-    assert told["mesh"]["vertices"] == told["settings"]["count"] == 150
-    assert told["mesh"]["flaws"] == 0
+    written = json.loads(found.stdout)
+    assert written["settings"]["feature_angle"] == 30
+    assert written["mesh"]["vertices"] == written["settings"]["count"] == 150
+    assert written["mesh"]["flaws"] == 0
 
 
 def test_says_how_many_more_the_topology_needs(tmp_path, torus):

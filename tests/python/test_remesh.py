@@ -92,7 +92,7 @@ def test_stops_when_cancelled():
 
 def test_tells_its_report_as_a_dict():
     report = dapple.remesh(cube(), 50).report
-    told = report.to_dict()
-    assert told["vertices"] == report.vertices
-    assert told["profile"] == report.profile
+    figures = report.to_dict()
+    assert figures["vertices"] == report.vertices
+    assert figures["profile"] == report.profile
     assert abs(sum(report.profile.values()) - report.seconds) < 1e-6

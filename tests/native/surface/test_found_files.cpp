@@ -5,6 +5,7 @@
 #include <dapple/surface.hpp>
 #include <numeric>
 
+#include "mesh_area.hpp"
 #include "surface/mesh_readers.hpp"
 
 // Files as other programs write them, all with the same cube.
@@ -90,21 +91,10 @@ const std::vector<std::pair<Reader, std::string>>& texts() {
   return kTexts;
 }
 
-double area(const MeshArrays& mesh) {
-  double sum = 0.0;
-  for (const auto& [a, b, c] : mesh.faces) {
-    const Vec3& p = mesh.vertices[static_cast<std::size_t>(a)];
-    sum += 0.5 * (mesh.vertices[static_cast<std::size_t>(b)] - p)
-                     .cross(mesh.vertices[static_cast<std::size_t>(c)] - p)
-                     .norm();
-  }
-  return sum;
-}
-
 void expect_cube(const MeshArrays& mesh, const std::string& name = "") {
   EXPECT_EQ(mesh.vertices.size(), 8u) << name;
   EXPECT_EQ(mesh.faces.size(), 12u) << name;
-  EXPECT_DOUBLE_EQ(area(mesh), 6.0) << name;
+  EXPECT_DOUBLE_EQ(area_of(mesh.vertices, mesh.faces), 6.0) << name;
 }
 
 void expect_refused(Reader read, const std::string& bytes, const std::string& part) {
