@@ -13,6 +13,7 @@
 #include "base/sets.hpp"
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
+#include "lines/line_sites.hpp"
 #include "remesh/dual.hpp"
 #include "remesh/measure.hpp"
 #include "remesh/site_editor.hpp"

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/triangle.hpp"
+#include "lines/line_sites.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {

@@ -121,6 +121,49 @@ TEST(Remesh, MakesTwelveTrianglesOfTheCornersOfACube) {
   EXPECT_NEAR(area_of(mesh.vertices, mesh.faces), 6.0, 1e-12);
 }
 
+/// A body with a displacement of each vertex by as much of its edges, as a scan has.
+Shape rough(Shape shape, double part) {
+  Random random(1);
+  const double edge = (shape.vertices[static_cast<std::size_t>(shape.faces[0][0])] -
+                       shape.vertices[static_cast<std::size_t>(shape.faces[0][1])])
+                          .norm();
+  return mapped(std::move(shape), [&](const Vec3& p) {
+    return Vec3(p + part * edge * random.between(-1.0, 1.0) * p.normalized());
+  });
+}
+
+TEST(Remesh, KeepsNoCreasesOfNoise) {
+  const Surface surface = rough(icosphere(4), 0.3).surface();
+  for (const std::size_t count : {2500u, 10000u}) {
+    const RemeshResult mesh = remesh(surface, count);
+    EXPECT_EQ(mesh.report.on_lines, 0u);
+    EXPECT_GT(mesh.report.smallest_angle, 30.0);
+  }
+}
+
+TEST(Remesh, KeepsTheCubeBesideARoughBody) {
+  const Shape cube = mapped(box(4), [](const Vec3& p) { return Vec3(p + Vec3(3, 0, 0)); });
+  const RemeshResult mesh = remesh(joined(rough(icosphere(4), 0.3), cube).surface(), 4000);
+  EXPECT_EQ(mesh.report.corners, 8u);
+  EXPECT_EQ(mesh.report.flaws, 0u);
+}
+
+TEST(Remesh, KeepsTheCreasesOfARoughCube) {
+  Random random(2);
+  const Shape cube = mapped(box(20), [&](const Vec3& p) {
+    int axis = 0, sides = 0;
+    for (int k = 0; k < 3; ++k)
+      if (p[k] == 0.0 || p[k] == 1.0) {
+        axis = k;
+        ++sides;
+      }
+    return sides > 1 ? p : Vec3(p + 0.01 * random.between(-1.0, 1.0) * Vec3::Unit(axis));
+  });
+  const RemeshResult mesh = remesh(cube.surface(), 1500);
+  EXPECT_EQ(mesh.report.corners, 8u);
+  EXPECT_EQ(mesh.report.flaws, 0u);
+}
+
 TEST(Remesh, CutsCornersIfNoCreaseIsKept) {
   RemeshOptions options;
   options.feature_angle = 180.0;

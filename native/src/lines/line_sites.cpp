@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lines/line_sites.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kRound = 6.0;  // points of a closed line without corners, if it has so many edges
+
+double density_root(const OrderedSurface& mesh, std::int32_t h, bool end) {
+  const Vec3 values = mesh.densities(face_of(h));
+  return std::sqrt(std::max(values[(h + (end ? 1 : 0)) % 3], 0.0));
+}
+
+/// Length of an edge of a chain in local units.
+double metric(const OrderedSurface& mesh, std::int32_t h) {
+  const Vec3 along = mesh.vertex(end_of(mesh, h)) - mesh.vertex(start_of(mesh, h));
+  return 0.5 * (density_root(mesh, h, false) + density_root(mesh, h, true)) * along.norm();
+}
+
+void append_point(Sites& sites, const Sites& point) {
+  sites.positions.push_back(point.positions[0]);
+  sites.faces.push_back(point.faces[0]);
+  sites.barycentric.push_back(point.barycentric[0]);
+}
+
+/// Per chain the fewest parts that make a mesh of it: closed ones become triangles at least, and no
+/// two chains between the same corners are one edge each.
+std::vector<double> fewest_parts(std::span<const LineChain> chains) {
+  std::vector<double> result;
+  std::map<std::pair<std::int32_t, std::int32_t>, int> between;
+  const auto ends = [](const LineChain& chain) {
+    const std::int32_t a = chain.vertices.front(), b = chain.vertices.back();
+    return std::pair(std::min(a, b), std::max(a, b));
+  };
+  for (const LineChain& chain : chains) ++between[ends(chain)];
+  for (const LineChain& chain : chains) {
+    const auto [a, b] = ends(chain);
+    const double round = chain.closed ? kRound : 3.0;
+    result.push_back(a == b ? std::clamp(static_cast<double>(chain.half_edges.size()), 3.0, round)
+                     : between[{a, b}] > 1 ? 2.0
+                                           : 1.0);
+  }
+  return result;
+}
+
+/// Lengths along a chain in local units, up to the end of each edge.
+std::vector<double> lengths_along(const OrderedSurface& mesh, const LineChain& chain) {
+  std::vector<double> ends;
+  double total = 0.0;
+  for (const std::int32_t h : chain.half_edges) ends.push_back(total += metric(mesh, h));
+  return ends;
+}
+
+/// Place a site at each of the ascending lengths along a chain.
+void place_at(const OrderedSurface& mesh, const LineChain& chain, std::span<const double> ends,
+              std::span<const double> places, std::int32_t number, LineSites& result) {
+  std::size_t e = 0;
+  for (const double at : places) {
+    while (e + 1 < ends.size() && ends[e] < at) ++e;
+    const double from = e > 0 ? ends[e - 1] : 0.0;
+    const double share =
+        ends[e] > from ? std::clamp((at - from) / (ends[e] - from), 0.0, 1.0) : 0.0;
+    const std::int32_t h = chain.half_edges[e];
+    const bool along = start_of(mesh, h) == chain.vertices[e];
+    append_point(result.sites, point_on_edge(mesh, h, along ? share : 1.0 - share));
+    result.chains.push_back(number);
+  }
+}
+
+/// Even places along a chain, without its corners.
+std::vector<double> even_places(const LineChain& chain, double total, double unit, double fewest) {
+  std::vector<double> places;
+  const double parts = std::max(std::round(total / unit), fewest);
+  for (double k = chain.closed ? 0.0 : 1.0; k < parts; ++k) places.push_back(total * k / parts);
+  return places;
+}
+
+}  // namespace
+
+Sites point_on_edge(const OrderedSurface& mesh, std::int32_t half_edge, double t) {
+  Vec3 weights = Vec3::Zero();
+  weights[half_edge % 3] = 1.0 - t;
+  weights[(half_edge + 1) % 3] = t;
+  const OrderedFace face = face_of(half_edge);
+  return {{mesh.point(face, weights)}, {mesh.original_face(face)}, {weights}};
+}
+
+Sites point_on_chain(const OrderedSurface& mesh, const LineChain& chain, bool forward,
+                     double distance) {
+  const std::size_t count = chain.half_edges.size();
+  const Vec3 origin = mesh.vertex(forward ? chain.vertices.front() : chain.vertices.back());
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t e = forward ? k : count - 1 - k;
+    const std::int32_t next = chain.vertices[forward ? e + 1 : e];
+    const std::int32_t before = chain.vertices[forward ? e : e + 1];
+    const double far = (mesh.vertex(next) - origin).norm();
+    if (far < distance) continue;
+    const double near = (mesh.vertex(before) - origin).norm();
+    const double share = far > near ? std::clamp((distance - near) / (far - near), 0.0, 1.0) : 0.0;
+    const std::int32_t h = chain.half_edges[e];
+    return point_on_edge(mesh, h, start_of(mesh, h) == before ? share : 1.0 - share);
+  }
+  return {};
+}
+
+LineSites sites_on_lines(const Surface& surface, const FeatureLines& lines, double unit) {
+  const OrderedSurface& mesh = surface.ordered();
+  LineSites result;
+  result.corners = lines.corners().size();
+  for (std::size_t k = 0; k < result.corners; ++k) {
+    append_point(result.sites, point_on_edge(mesh, lines.half_edge_at(k), 0.0));
+    result.chains.push_back(-1);
+  }
+  const std::vector<double> fewest = fewest_parts(lines.chains());
+  for (std::size_t k = 0; k < fewest.size(); ++k) {
+    const LineChain& chain = lines.chains()[k];
+    const std::vector<double> ends = lengths_along(mesh, chain);
+    if (ends.back() > 0.0)
+      place_at(mesh, chain, ends, even_places(chain, ends.back(), unit, fewest[k]),
+               static_cast<std::int32_t>(k), result);
+  }
+  return result;
+}
+
+double metric_length(const Surface& surface, const FeatureLines& lines, bool borders_only) {
+  double total = 0.0;
+  for (const LineChain& chain : lines.chains())
+    for (const std::int32_t h : chain.half_edges)
+      if (!borders_only || lines.kind(h) == LineKind::kBorder)
+        total += metric(surface.ordered(), h);
+  return total;
+}
+
+}  // namespace dapple
