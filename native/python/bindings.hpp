@@ -56,6 +56,7 @@ void bind_class_samplers(py::module_& m);
 void bind_analysis(py::module_& m);
 void bind_stipple(py::module_& m);
 void bind_mosaic(py::module_& m);
+void bind_lines(py::module_& m);
 void bind_remesh(py::module_& m);
 void bind_texture(py::module_& m);
 

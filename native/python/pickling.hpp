@@ -205,3 +205,18 @@ inline auto refusal(const char* why) {
 }
 
 }  // namespace dapple::python
+
+namespace dapple {
+
+inline auto members(Samples& s) {
+  return std::tie(s.positions, s.normals, s.faces, s.barycentric, s.ids, s.classes, s.fade,
+                  s.report);
+}
+inline void check_members(const Samples& s) {
+  for (const std::size_t length :
+       {s.normals.size(), s.faces.size(), s.barycentric.size(), s.ids.size(), s.classes.size(),
+        s.fade.empty() ? s.size() : s.fade.size()})
+    python::check_equal(length, s.size());
+}
+
+}  // namespace dapple

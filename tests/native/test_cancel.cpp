@@ -7,6 +7,7 @@
 #include <dapple/decals.hpp>
 #include <dapple/energy.hpp>
 #include <dapple/errors.hpp>
+#include <dapple/line_samples.hpp>
 #include <dapple/mosaic.hpp>
 #include <dapple/planar_sampler.hpp>
 #include <dapple/population.hpp>
@@ -552,6 +553,11 @@ TEST(Watched, AMosaic) {
   expect_watched([&](Context* context) {
     (void)mosaic(surface, samples, {.grout = 0.01, .thickness = 0.01}, context);
   });
+}
+
+TEST(Watched, SamplesOnLines) {
+  const Surface surface = box(4).surface();
+  expect_watched([&](Context* context) { (void)sample_lines(surface, 200, {}, context); });
 }
 
 TEST(Watched, ARemesh) {

@@ -11,6 +11,7 @@
 #include <dapple/decals.hpp>
 #include <dapple/energy.hpp>
 #include <dapple/errors.hpp>
+#include <dapple/line_samples.hpp>
 #include <dapple/mesh_file.hpp>
 #include <dapple/mosaic.hpp>
 #include <dapple/planar_sampler.hpp>
@@ -334,6 +335,15 @@ Prepare tiling(int threads) {
   });
 }
 
+Prepare sampling_lines(int) {
+  const Surface surface = box(2).surface();
+  return again([surface](Hash& hash) {
+    const LineSamples found = sample_lines(surface, 40, {.corners = true});
+    hash.add(found.samples.positions);
+    hash.add(found.lines);
+  });
+}
+
 Prepare remeshing(int threads) {
   const Surface surface = box(2).surface();
   return again([surface, threads](Hash& hash) {
@@ -519,6 +529,7 @@ constexpr std::array kCases = {
     Case{"Resting", resting},
     Case{"Window", a_window},
     Case{"Mosaic", tiling},
+    Case{"Lines", sampling_lines},
     Case{"Remesh", remeshing},
     Case{"Decals", covering},
     Case{"Refine", refining},

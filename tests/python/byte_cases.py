@@ -436,7 +436,18 @@ def remeshed(mesh: Mesh, count: int, **options: Any) -> Case:
     return run_it
 
 
+def on_lines(mesh: Mesh, count: int, **options: Any) -> Case:
+    def run_it(run: Run) -> None:
+        found = dapple.sample_lines(run.surface(mesh), count, **options)
+        run.keep(faces=found.samples.faces, barycentric=found.samples.barycentric)
+        run.keep(tangents=found.tangents, lines=found.lines)
+
+    return run_it
+
+
 CASES |= {
+    "lines": on_lines(BOX, 50, corners=True),
+    "lines_natural": on_lines(BOX, 50, line_spacing="natural", seed=2),
     "remesh": remeshed(TORUS, 500),
     "remesh_box": remeshed(BOX, 300),
     "remesh_smooth": remeshed(BOX, 300, feature_angle=180),

@@ -24,6 +24,7 @@ from dapple3d.cli.options import library_defaults
 COMMANDS = [
     "analyze",
     "classes",
+    "lines",
     "mosaic",
     "relax",
     "remesh",

@@ -33,6 +33,7 @@ def inputs(tmp_path, mesh, torus) -> dict[str, list[object]]:
         "track": [motion, tmp_path / "points.npz", "-n", 60],
         "stipple": [picture, tmp_path / "dots.svg", "-n", 60],
         "mosaic": [torus, tmp_path / "tiles.ply", "-n", 60],
+        "lines": [torus, tmp_path / "points.ply", "-n", 60, "--feature-angle", 1],
         "remesh": [torus, tmp_path / "even.ply", "-n", 60],
     }
 
@@ -42,7 +43,8 @@ def rows(table: str) -> dict[str, list[str]]:
 
 
 @pytest.mark.parametrize(
-    "name", ["sample", "classes", "relax", "resample", "track", "stipple", "mosaic", "remesh"]
+    "name",
+    ["sample", "classes", "relax", "resample", "track", "stipple", "mosaic", "remesh", "lines"],
 )
 def test_prints_seconds_and_shares(inputs, name):
     table = rows(done(name, *inputs[name], "--profile", "--quiet").stderr)

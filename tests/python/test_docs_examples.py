@@ -44,6 +44,7 @@ RUN = {
         "json": (1, "tests/blender/command/test_command.py"),
     },
     "docs/large.md": {"python": (2, "here")},
+    "docs/lines.md": {"sh": (1, "here"), "python": (2, "here")},
     "docs/masks.md": {"sh": (1, "here"), "python": (1, "here")},
     "docs/remeshing.md": {"sh": (1, "here"), "python": (2, "here")},
     "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
@@ -107,6 +108,20 @@ def test_the_page_on_remeshing_runs(here):
     np.testing.assert_allclose(namespace["heights"], namespace["mesh"].vertices[:, 2], atol=1e-6)
 
 
+def test_the_page_on_lines_runs(here):
+    dapple.write_mesh("part.stl", *shapes.grid(6))
+    dapple.write_mesh("field.obj", *shapes.grid(6))
+    commands = code("docs/lines.md", "sh").replace("2.5", "0.25")
+    for command in commands.splitlines():
+        assert run(*shlex.split(command)[1:]).exit_code == 0
+    first, second = (text for name, text in blocks("docs/lines.md") if name == "python")
+    namespace = {}
+    exec(first, namespace)
+    exec(second, namespace)
+    moved, made = namespace["there"].positions, namespace["found"].samples.positions
+    np.testing.assert_allclose(moved, 2.0 * made, atol=1e-12)
+
+
 def test_the_page_on_large_surfaces_runs(here):
     """With fewer points than it shows."""
     pytest.importorskip("distributed")
@@ -125,6 +140,7 @@ def files(here):
     """What the commands read: a mesh, a motion, a mesh that is wrong, a picture."""
     vertices, faces = shapes.torus()
     dapple.write_mesh("bunny.ply", vertices, faces)
+    dapple.write_mesh("part.stl", *shapes.grid(6))
     frames = np.array([shapes.bent(vertices, time) for time in np.linspace(0, 1, 10)])
     np.savez("walk.npz", vertices=frames, faces=faces)
     np.save("hills.npy", np.sin(np.indices((100, 100)) / 9.0).sum(axis=0))

@@ -277,6 +277,7 @@ CALLS = {
     "stipple_inks": lambda **k: dapple.stipple_inks([[[1.0, 1.0]]], 2, **k),
     "mosaic": lambda **k: dapple.mosaic(SURFACE, two(), **k),
     "remesh": lambda **k: dapple.remesh(SURFACE, 4, **k),
+    "sample_lines": lambda **k: dapple.sample_lines(SURFACE, 4, **k),
     "refine_image": lambda **k: dapple.refine_image(SURFACE, [[[0, 0]] * 3] * 2, [[1.0]], **k),
 }
 NUMBERS = [(verb, o) for verb in VERBS for o in TABLES[verb] if o.type in ("int", "float")]

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <dapple/line_samples.hpp>
 #include <dapple/mosaic.hpp>
 #include <dapple/optimizer.hpp>
 #include <dapple/option.hpp>
@@ -19,6 +20,10 @@
 
 namespace dapple {
 
+constexpr std::array<Choice<LineSpacing>, 2> choices_of(LineSpacing) {
+  return {{{"even", LineSpacing::kEven}, {"natural", LineSpacing::kNatural}}};
+}
+
 constexpr std::array<Choice<Method>, 2> choices_of(Method) {
   return {{{"trust_region", Method::kTrustRegion}, {"line_search", Method::kLineSearch}}};
 }
@@ -34,6 +39,43 @@ constexpr std::array<Choice<Cells>, 2> choices_of(Cells) {
 constexpr std::array<Choice<Start>, 2> choices_of(Start) {
   return {{{"poisson", Start::kPoisson}, {"random", Start::kRandom}}};
 }
+
+inline constexpr std::tuple kLineOptions = {
+    Option{"seed",
+           &LineOptions::seed,
+           {0, kFinite},
+           "",
+           Level::kBasic,
+           "Random seed. Quality does not depend on it."},
+    Option{"feature_angle",
+           &LineOptions::feature_angle,
+           {0, 180},
+           "degrees",
+           Level::kBasic,
+           "Edges whose faces' normals differ by more than this are creases, which stay, and so do "
+           "their corners; 180 keeps none."},
+    Option{"line_spacing",
+           &LineOptions::line_spacing,
+           {},
+           "",
+           Level::kExpert,
+           "Samples follow each other at equal distances, or at distances from a half to one and a "
+           "half of that."},
+    Option{"borders",
+           &LineOptions::borders,
+           {},
+           "",
+           Level::kExpert,
+           "Whether borders are lines, and edges with three or more faces."},
+    Option{"corners",
+           &LineOptions::corners,
+           {},
+           "",
+           Level::kExpert,
+           "Whether there is a sample at each corner: where lines end, meet or turn by more than "
+           "45 degrees. Otherwise lines begin and end with half a distance."}};
+
+constexpr const auto& options_of(const LineOptions&) { return kLineOptions; }
 
 inline constexpr std::tuple kMosaicOptions = {
     Option{"grout",

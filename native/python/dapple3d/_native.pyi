@@ -231,6 +231,17 @@ class Mosaic:
     @property
     def loops(self) -> NDArray[np.int32]: ...
 
+class LineSamples:
+    def __len__(self) -> int: ...
+    @property
+    def samples(self) -> Samples: ...
+    @property
+    def tangents(self) -> NDArray[np.float64]: ...
+    @property
+    def lines(self) -> NDArray[np.int32]: ...
+    @property
+    def lengths(self) -> NDArray[np.float64]: ...
+
 class RemeshReport:
     @property
     def asked(self) -> int: ...
@@ -682,6 +693,18 @@ def mosaic(
     insets: ArrayLike | None = None,
     context: Context | None = None,
 ) -> Mosaic: ...
+def sample_lines(
+    surface: Surface,
+    count: int,
+    *,
+    seed: int = 0,
+    feature_angle: float = 30.0,
+    line_spacing: Literal["even", "natural"] = "even",
+    borders: bool = True,
+    corners: bool = False,
+    edges: ArrayLike | None = None,
+    context: Context | None = None,
+) -> LineSamples: ...
 def remesh(
     surface: Surface,
     count: int,

@@ -4,6 +4,7 @@
 
 namespace dapple {
 
+void check_options(const LineOptions& options) { check_ranges(options); }
 void check_options(const MosaicOptions& options) { check_ranges(options); }
 void check_options(const OptimizerOptions& options) { check_ranges(options); }
 void check_options(const TrackerOptions& options) { check_ranges(options); }
