@@ -7,12 +7,14 @@
 #include <numbers>
 
 #include "base/parallel.hpp"
+#include "lines/line_edges.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kNothing = 1e-9;  // a barycentric coordinate: the place is on the edge opposite
 
 /// The smallest angle of a triangle, in degrees; 0 for one without extent.
 double smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -70,19 +72,67 @@ void measure_edges(RemeshResult& mesh) {
                       static_cast<std::int32_t>(mesh.faces.size());
 }
 
-/// Triangles that face away from the faces that their corners lie on.
+/// The faces that each vertex of a remesh touches: on an edge or a corner of the surface all around
+/// it, since the one that it is stored with may be on the other side of a crease.
+class TouchedFaces {
+ public:
+  TouchedFaces(const OrderedSurface& mesh, std::size_t faces) : mesh_(mesh) {
+    for (std::size_t f = 0; f < faces; ++f)
+      for (const std::int32_t v : mesh.welded_corners(nth_face(f)))
+        around_.push_back({v, static_cast<std::int32_t>(f)});
+    std::ranges::sort(around_);
+  }
+
+  /// Whether all faces that are touched at a place fulfill a condition.
+  template <typename Condition>
+  [[nodiscard]] bool all_at(OrderedFace face, const Vec3& barycentric,
+                            const Condition& condition) const {
+    const auto zero = [&](int k) { return barycentric[k] < kNothing; };
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3, last = (k + 2) % 3;
+      if (zero(next) && zero(last))
+        return all_around(mesh_.welded_corners(face)[as_index(k)], condition);
+    }
+    for (int k = 0; k < 3; ++k)
+      if (zero((k + 2) % 3)) return all_beside(half_edge(face, k), condition);
+    return condition(face);
+  }
+
+ private:
+  template <typename Condition>
+  [[nodiscard]] bool all_around(std::int32_t vertex, const Condition& condition) const {
+    const auto first = std::ranges::lower_bound(around_, std::array<std::int32_t, 2>{vertex, -1});
+    const auto last =
+        std::ranges::lower_bound(around_, std::array<std::int32_t, 2>{vertex + 1, -1});
+    return std::all_of(first, last, [&](const auto& entry) {
+      return condition(nth_face(static_cast<std::size_t>(entry[1])));
+    });
+  }
+  template <typename Condition>
+  [[nodiscard]] bool all_beside(std::int32_t h, const Condition& condition) const {
+    bool all = true;
+    for_each_half_edge(mesh_, h, [&](std::int32_t g) { all = all && condition(face_of(g)); });
+    return all;
+  }
+
+  const OrderedSurface& mesh_;
+  std::vector<std::array<std::int32_t, 2>> around_;  // welded vertex, face
+};
+
+/// Triangles that face away from all faces that their corners touch.
 std::size_t count_flipped(const Surface& surface, const FeatureLines& lines,
                           const RemeshResult& mesh) {
-  const auto normal_of = [](std::span<const Vec3> points, const Face& t) {
-    return Vec3((points[as_index(t[1])] - points[as_index(t[0])])
-                    .cross(points[as_index(t[2])] - points[as_index(t[0])])
-                    .normalized());
-  };
+  const OrderedSurface& old = surface.ordered();
+  const TouchedFaces touched(old, surface.face_count());
   return static_cast<std::size_t>(std::ranges::count_if(mesh.faces, [&](const Face& t) {
-    const Vec3 normal = normal_of(mesh.vertices, t);
+    const Vec3& a = mesh.vertices[as_index(t[0])];
+    const Vec3 normal =
+        (mesh.vertices[as_index(t[1])] - a).cross(mesh.vertices[as_index(t[2])] - a).normalized();
     return std::ranges::all_of(t, [&](std::int32_t v) {
-      const OrderedFace source = surface.ordered().counted_face(mesh.source_faces[as_index(v)]);
-      return lines.sign(source) * normal.dot(surface.ordered().geometry(source).normal) < 0.0;
+      return touched.all_at(old.counted_face(mesh.source_faces[as_index(v)]),
+                            mesh.barycentric[as_index(v)], [&](OrderedFace face) {
+                              return lines.sign(face) * normal.dot(old.geometry(face).normal) < 0.0;
+                            });
     });
   }));
 }
