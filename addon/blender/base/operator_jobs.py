@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The long work of an operator, done beside what the artist does: one at a time, from a timer.
+"""Long work of an operator that a timer does in the background, one operator at a time.
 
-It reads and writes the file in the window and the scene in which it was begun. It pauses while
-Blender renders, plays or is operated, and while the artist looks for a frame. What has to stay as
-it is meanwhile is watched: a change of it ends the work, and nothing is written.
+It reads and writes the file in the window and the scene in which it was started. It pauses while
+Blender renders, plays the animation or runs a tool, and while the artist changes frames. A change
+of watched data ends the work, and nothing is written.
 """
 
 import time
@@ -19,13 +19,14 @@ from . import renders, user_activity
 from .handlers import Evaluation, Subscriber
 from .jobs import Job
 from .object_handles import ObjectHandle
+from .quiet import evaluate_changes
 from .sidebars import redraw
 from .timers import call_within
 from .translation import operator_label, translated, translated_report
 
 _POLL = 0.005  # seconds between two checks of the worker
-_PART = 0.03  # seconds that one call may take, during which the artist waits
-PAUSED = 0.1  # seconds between two checks whether a pause is over
+_PART = 0.03  # seconds that one call may block the interface
+PAUSED = 0.1  # seconds between two checks during a pause
 REST = 1.0  # seconds without a frame change after which scrubbing has ended
 _STATUS_TIME = 8.0  # seconds for which the status bar shows the outcome
 
@@ -53,7 +54,7 @@ class Work:
     scene: int = 0  # its session_uid
     window: int = 0  # its address
     why: str = ""  # reason for a cancellation that the artist did not request
-    shown: str = ""
+    shown: str = ""  # last line of the status bar
     job: Job = field(init=False)
 
     def __post_init__(self) -> None:
@@ -90,10 +91,10 @@ class Work:
 
 @dataclass
 class _State:
-    """What the timer and the handlers share."""
+    """State that the timer and the handlers share."""
 
     work: Work | None = None
-    stepping: bool = False  # whether changes come from the work itself
+    stepping: bool = False  # whether current changes come from the work itself
     frame_changed: float = 0.0  # time of the artist's last frame change, monotonic
     # Messages about finished work, by session_uid.
     notes: dict[int, Messages] = field(default_factory=dict)
@@ -108,7 +109,7 @@ def current() -> Work | None:
 
 
 def begin(context: bpy.types.Context, work: Work) -> None:
-    """Do the first step now and the others from a timer; errors of the first step are raised."""
+    """Do the first step now and the others in a timer; errors of the first step are raised."""
     _state.notes.pop(work.about.uid, None)
     work.scene = context.scene.session_uid
     work.window = context.window.as_pointer() if context.window else 0
@@ -136,7 +137,7 @@ def notes(obj: bpy.types.Object) -> Messages:
 
 
 def notes_of(uid: int) -> Messages:
-    """The same of an object that may be gone, by its session_uid."""
+    """The same by session_uid; the object may have been deleted."""
     return _state.notes.get(uid, [])
 
 
@@ -147,7 +148,7 @@ def dismiss(obj: bpy.types.Object) -> None:
 
 
 def pause() -> str:
-    """The reason why nothing may be read or written now; empty if there is none."""
+    """Why the file must not be read or written now; empty if it may be."""
     if renders.busy():
         return translated("Blender renders")
     if user_activity.is_playing():
@@ -180,13 +181,12 @@ def tick() -> float | None:
 
 
 def _advance(work: Work) -> bool:
-    """Do the steps for which there is time; returns whether the work has ended."""
+    """Do some steps; returns whether the work has ended."""
     if work.job.waits:
         return False
     if bpy.context.scene.session_uid != work.scene:
         cancel(translated_report("Another scene is shown"))
-    for layer in _shown_layers():
-        layer.update()  # notices changes of the artist
+    evaluate_changes()  # to notice those of the artist
     with _own_changes():
         return work.job.go_on(_PART)
 
@@ -196,21 +196,14 @@ def _own_changes() -> Iterator[None]:
     _state.stepping = True
     try:
         yield
-        for layer in _shown_layers():
-            layer.update()
+        evaluate_changes()
     finally:
         _state.stepping = False
 
 
-def _shown_layers() -> list[bpy.types.ViewLayer]:
-    """The view layers that Blender evaluates; changes in any of them count."""
-    windows = bpy.context.window_manager.windows
-    return [bpy.context.view_layer, *(window.view_layer for window in windows)]
-
-
 @contextmanager
 def _where_it_began(work: Work) -> Iterator[None]:
-    """Use the window in which the work began, or another one if that was closed."""
+    """Use the window in which the work was started, or another one if that was closed."""
     with bpy.context.temp_override(window=_window(work)):
         yield
 
@@ -232,7 +225,7 @@ def _end(uid: int, messages: Messages) -> None:
 
 
 def _leave() -> None:
-    """Stop the worker and restore temporary changes."""
+    """Stop the worker; steps restore their temporary changes."""
     work, _state.work = _state.work, None
     if work is not None:
         work.job.close()

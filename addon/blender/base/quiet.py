@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the add-on changes for a moment and puts back, so that nobody takes it for a change."""
+"""Temporary changes of the add-on, which must not count as changes of the artist."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -24,10 +24,17 @@ def is_quiet() -> bool:
 @contextmanager
 def quiet() -> Iterator[None]:
     """Mark changes inside as temporary; earlier changes still count."""
-    bpy.context.view_layer.update()
-    _state.quiet = True
+    evaluate_changes()
+    before, _state.quiet = _state.quiet, True
     try:
         yield
-        bpy.context.view_layer.update()
+        evaluate_changes()
     finally:
-        _state.quiet = False
+        _state.quiet = before
+
+
+def evaluate_changes() -> None:
+    """Have Blender evaluate changes now, in all view layers that windows show."""
+    windows = bpy.context.window_manager.windows
+    for layer in [bpy.context.view_layer, *(window.view_layer for window in windows)]:
+        layer.update()

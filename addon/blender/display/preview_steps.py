@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A live preview in steps: read the surface, find the points' places, show them."""
+"""The steps of a live preview: read the surface, compute the places of the points, show them."""
 
 from collections.abc import Container
 from dataclasses import dataclass
@@ -28,17 +28,17 @@ _INPUT = "Preview"
 
 @dataclass
 class Preview:
-    """A scatter that is previewed, and what its worker knows."""
+    """A scatter with a preview, and the state of its worker."""
 
     scatter: ObjectHandle
     surface: ObjectHandle
-    follower: Follower | None = None  # once the worker has made it
-    mesh: RawMesh | None = None  # that the follower began with or has seen last
-    job: Job | None = None  # what goes on
+    follower: Follower | None = None  # None until the worker has made it
+    mesh: RawMesh | None = None  # the last one that the follower received
+    job: Job | None = None  # the running one
 
 
 def begin_steps(preview: Preview) -> Steps:
-    """Read all that the density asks for, have a worker prepare, show what is stored."""
+    """Read the surface with the inputs of the density, prepare the follower, show its points."""
     obj, surface = preview.scatter.get(), preview.surface.get()
     settings = settings_of(obj)
     read = yield from read_parts(preview.surface, settings, preview.scatter)
@@ -54,7 +54,7 @@ def begin_steps(preview: Preview) -> Steps:
 
 
 def follow_steps(preview: Preview) -> Steps:
-    """Read the surface, have a worker find the places for its shape, show them."""
+    """Read the surface, compute the places of the points on it in a worker, show them."""
     obj, surface = preview.scatter.get(), preview.surface.get()
     if bpy.context.view_layer.objects.get(surface.name) is None:
         raise ScatterError(f"Surface '{surface.name}' is not in the view layer")
@@ -69,7 +69,7 @@ def follow_steps(preview: Preview) -> Steps:
         return None
     budget = obj.dapple.preview_budget / 1000.0
     binding = yield Task(
-        lambda context: follower.follow(mesh.vertices(), budget, context, mesh.world_normals())
+        lambda context: follower.follow(mesh.vertices, budget, context, mesh.world_normals())
     )
     obj, preview.mesh = preview.scatter.get(), mesh
     if binding is not None or not is_shown(obj):
@@ -77,10 +77,10 @@ def follow_steps(preview: Preview) -> Steps:
 
 
 def show_binding(obj: bpy.types.Object, binding: Binding) -> None:
-    """Have the viewport show a scatter's points where this binding puts them."""
+    """Show a scatter's points with this binding in the viewport."""
     modifier = ensure_modifier(obj)
     store = get_input(modifier, _INPUT)
-    if store is not None and (store.type != "MESH" or _INPUT not in store):  # of a broken file
+    if store is not None and (store.type != "MESH" or _INPUT not in store):  # in a damaged file
         set_input(modifier, _INPUT, None)
         store = None
     if store is None:
@@ -105,7 +105,7 @@ def is_shown(obj: bpy.types.Object) -> bool:
 
 
 def clear_bindings(keep: Container[int] = ()) -> None:
-    """End what previews the file shows, but for those of some scatters."""
+    """Remove the bindings of previews from the file, except those of some scatters."""
     for obj in bpy.data.objects:
         if is_scatter(obj) and obj.session_uid not in keep:
             _unlink(obj)

@@ -16,6 +16,7 @@ from ...core.base.errors import ScatterError
 from ..base import renders, step_operators, user_activity
 from ..base.handlers import Evaluation, Subscriber
 from ..base.object_handles import ObjectHandle
+from ..base.quiet import is_quiet
 from ..base.sidebars import is_shown, redraw
 from ..base.timers import call_in
 from ..surface.images import picture_digest
@@ -65,6 +66,7 @@ class _State:
     took: float = 0.0  # seconds that the last check took
     images_checked: float = 0.0  # time of the last check of images
     image_check_took: float = 0.0
+    checking: bool = False
 
 
 _state = _State()
@@ -121,7 +123,11 @@ def tick() -> float | None:
 def _check(one: _Request, obj: bpy.types.Object) -> None:
     begin = time.monotonic()
     one.depends = depends_on(obj, bpy.context.scene)
-    one.findings = _find(obj, bpy.context, one.snapshot)
+    _state.checking = True
+    try:
+        one.findings = _find(obj, bpy.context, one.snapshot)
+    finally:
+        _state.checking = False
     one.outdated = False
     _state.took = time.monotonic() - begin
     redraw()
@@ -187,8 +193,8 @@ def _busy() -> bool:
 
 
 def _updated(evaluation: Evaluation) -> None:
-    """Mark the scatters that depend on edited data."""
-    if not _state.requested:
+    """Mark the scatters that depend on edited data, but not for the copies that a check makes."""
+    if not _state.requested or (_state.checking and is_quiet()):
         return
     touched = {one.uid: one.is_edited for one in evaluation.updates}
     for one in _state.requested.values():

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Optimize, as steps: read in parts, let the worker solve, check, write.
+"""Optimize as steps: read in parts, solve in a worker, check, write.
 
-Scripts and the command line run the steps at once, auto_update.py a little at a time; it discards
-them if something changes meanwhile.
+Scripts and the command line run all steps at once. auto_update.py runs them in a timer and discards
+the work if something changes meanwhile.
 """
 
 from dataclasses import dataclass, replace
@@ -30,25 +30,26 @@ from ..surface.current_binding import rest_of
 from ..surface.joined_surface import surface_for
 from ..surface.reading import check_faces, read_steps
 from ..surface.rest_position import kind_of_binding, rest_position
-from .session_solutions import previous_result, write_solved
+from .session_solutions import previous_result, solved_arrays, write_solved
 
-_RELAXED, _EVEN = 0.4, 0.9  # of the progress
+_RELAXED, _EVEN = 0.4, 0.9  # progress at the end of the first and the second task
 
 
 def optimize_steps(
     handle: ObjectHandle, *, requested: bool = True, deletes_keyframes: bool = True
 ) -> Steps:
-    """Solve a scatter; returns whether that was done.
+    """Solve a scatter; returns whether it was solved.
 
-    A requested solution starts from the seed. It leaves points alone that the artist moves, locks
-    or bakes meanwhile, and keeps a bake unless it may be deleted. An automatic solution runs only
-    if the result is out of date, starts from the existing points if possible, and leaves points
-    alone that were edited by hand.
+    A requested solution starts from the seed. It fails if the artist moves, locks or bakes the
+    points meanwhile, or if the scatter has a bake that must not be deleted. An automatic solution
+    runs only if the result is out of date and not edited by hand, and starts from the existing
+    points if possible.
     """
     guard = _Guard(handle, deletes_keyframes) if requested else None
     settings = settings_of(handle.get())
     with surface_for(handle.get()) as surface:
-        arrays = yield from read_steps(surface, settings, handle)
+        before = solved_arrays(handle.get())
+        arrays = yield from read_steps(surface, settings, handle, before=before)
         if not requested and not (yield from _is_outdated(handle, arrays, settings)):
             return False
         check_faces(surface.get(), arrays)
@@ -65,24 +66,24 @@ class _Guard:
     """Protects changes that the artist makes to the points during a requested solution."""
 
     def __init__(self, handle: ObjectHandle, deletes_keyframes: bool) -> None:
-        self._held, self._drops_keys = handle, deletes_keyframes
+        self._scatter, self._deletes_keyframes = handle, deletes_keyframes
         self._before = points_now(handle.get())
         self._check_free()
 
     def check(self) -> None:
-        """ScatterError where the points are others by now."""
+        """ScatterError if the points have changed."""
         self._check_free()
-        check_points_kept(self._held.get(), self._before)
+        check_points_kept(self._scatter.get(), self._before)
 
     def _check_free(self) -> None:
-        obj = self._held.get()
+        obj = self._scatter.get()
         check_writable(obj)
-        if obj.dapple.baked_keys and not self._drops_keys:
+        if obj.dapple.baked_keys and not self._deletes_keyframes:
             raise ScatterError(f"Scatter '{obj.name}' was baked meanwhile: nothing was written")
 
 
 def _is_outdated(handle: ObjectHandle, arrays: SurfaceArrays, settings: Settings) -> Any:
-    """Whether a scatter has to be solved and may be."""
+    """Whether the result of a scatter is out of date and not edited by hand."""
     now = yield Task(lambda _: sources_of(arrays, settings))
     return not is_edited(handle.get()) and needs_solving(handle.get(), now)
 
@@ -90,20 +91,20 @@ def _is_outdated(handle: ObjectHandle, arrays: SurfaceArrays, settings: Settings
 def _kind(
     obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays, requested: bool
 ) -> str:
-    """FACES or REST; the faces of the render are looked at only where there are others, or where
-    somebody waits for the result.
+    """Kind of binding, FACES or REST. The faces of the render are compared only if the faces have
+    changed or the solution was requested.
     """
     known = obj.dapple.surface_topology.split()
     automatic = obj.dapple.attach_to == "AUTO" and not is_fluid(surface)
     if automatic and not requested and known == [arrays.topology]:
         return str(obj.dapple.attached_to)
-    with quiet():  # it evaluates a copy in a scene of its own
+    with quiet():  # a copy is evaluated in a temporary scene
         return kind_of_binding(surface, bpy.context, obj.dapple.attach_to)
 
 
 @dataclass(frozen=True)
 class Update:
-    """A scatter that is to be solved, and from what."""
+    """A scatter that is to be solved, with its inputs."""
 
     scatter: ObjectHandle
     surface: ObjectHandle
@@ -139,7 +140,8 @@ def _keep_steps(update: Update) -> Steps:
     )
     if not incremental.is_whole(found, before):
         count = found.report.count
-        update.write(replace(found, settings=replace(settings, count=count)))  # and so out of date
+        # Written with its actual count, so that it counts as out of date if this work is discarded.
+        update.write(replace(found, settings=replace(settings, count=count)))
         local = found
         found = yield Task(
             lambda worker: incremental.evened(local, worker, locked), _RELAXED, _EVEN
@@ -155,5 +157,5 @@ def _keeps(update: Update) -> bool:
     obj = update.scatter.get()
     changed = changed_settings(obj.dapple.solved_settings, update.settings)
     same_faces = obj.dapple.surface_topology.split() == [update.arrays.topology]
-    there = "dapple_rank" in obj.data.attributes and obj.dapple.keep_points
-    return bool(there and incremental.keeps(update.settings, changed, same_faces))
+    may_keep = "dapple_rank" in obj.data.attributes and obj.dapple.keep_points
+    return bool(may_keep and incremental.keeps(update.settings, changed, same_faces))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solutions that the session remembers: what has changed since then is found by comparing them.
+"""Solutions that are remembered during the session, to find what has changed since then.
 
-They are kept by the points that they belong to, so that an undo finds the previous
-ones. Files do not have them.
+They are stored by the digest of their points, so that they are found again after an undo. They are
+not saved in files.
 """
 
 from collections import OrderedDict
@@ -20,7 +20,7 @@ from ..base.handlers import Subscriber
 from ..scatter.points import edited_places, own_columns, point_columns_of, points_digest
 from ..scatter.store import write_binding, write_own_ids, write_scattered
 
-_MOST = 4  # as each has a surface with all that is known of it
+_MOST = 4  # each needs much memory, for a surface with all its data
 
 _known: OrderedDict[str, tuple[Solved, Ints]] = OrderedDict()  # with the ids of the points
 
@@ -28,7 +28,7 @@ _known: OrderedDict[str, tuple[Solved, Ints]] = OrderedDict()  # with the ids of
 def write_solved(
     obj: bpy.types.Object, arrays: SurfaceArrays, scattered: Scattered, rest: AtRest | None = None
 ) -> None:
-    """Store a result, and remember how it was solved."""
+    """Store a result, and remember its solution."""
     with all_or_nothing(bpy.context, [obj]):
         write_scattered(obj, arrays, scattered, rest)
     if scattered.solved is not None:
@@ -42,15 +42,15 @@ def write_reattached(
     columns: Columns,
     rest: AtRest | None,
 ) -> None:
-    """Store where points sit that are attached again, with what columns_with_own_ids returned."""
+    """Store the binding of reattached points, with the result of columns_with_own_ids."""
     with all_or_nothing(bpy.context, [obj]):
         write_binding(obj, arrays, binding, rest)
         write_own_ids(obj, columns)
 
 
 def known_as_placed(obj: bpy.types.Object, before: str, binding: Binding) -> None:
-    """Have what is known of a solution be that of the same points once some were placed by hand;
-    before is the digest of the points as they were solved.
+    """Keep a remembered solution after some of its points were placed by hand; `before` is the
+    digest of the points as they were solved.
     """
     if before not in _known:
         return
@@ -74,6 +74,12 @@ def previous_result(obj: bpy.types.Object) -> PreviousResult:
     binding = binding_from(own_columns(obj, ROW_ATTRIBUTES))
     solved, _ = _known.get(points_digest(obj), (None, None))
     return PreviousResult(binding, columns, solved, edited_places(obj))
+
+
+def solved_arrays(obj: bpy.types.Object) -> SurfaceArrays | None:
+    """The surface that the points of a scatter were solved on, if it is remembered."""
+    solved, _ = _known.get(points_digest(obj), (None, None))
+    return None if solved is None else solved.arrays
 
 
 SUBSCRIBER = Subscriber(before_load=_known.clear, disabled=_known.clear)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The evaluated mesh of a surface, read in parts as arrays, and its rest positions."""
 
-import sys
 from collections.abc import Collection, Generator, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -25,14 +24,7 @@ from ..base.object_handles import ObjectHandle
 from ..base.times import time_of
 from ..scatter.object import is_fluid
 from .joined_parts import parts_of
-from .values import (
-    GROUP_PART,
-    all_group_weights,
-    group_of,
-    group_weights,
-    raw_values,
-    read_materials,
-)
+from .values import group_weights, raw_values, read_materials
 
 
 @contextmanager
@@ -78,8 +70,6 @@ def topology(mesh: bpy.types.Mesh) -> str:
     return topology_digest(len(mesh.vertices), corner_vertices(mesh), polygon_starts(mesh))
 
 
-# Vertices whose weights are read in one part; all at once if no artist waits.
-_AT_ONCE = sys.maxsize if bpy.app.background else 60_000
 Parts = Generator[Task, Any, Any]
 
 
@@ -145,26 +135,16 @@ def _cut(surface: ObjectHandle, corner_count: int) -> Any:
 
 
 def value_parts(surface: ObjectHandle, known: RawMesh, name: str) -> Parts:
-    """Read an attribute, or a vertex group a range of vertices at a time."""
+    """Read an attribute or a vertex group."""
     yield PAUSE
     obj = surface.get()
     with evaluated_mesh(obj, evaluated()) as mesh:
         _check_count(surface, len(mesh.vertices), len(known.positions))
         _check_count(surface, len(mesh.loops), len(known.corners))
         found = raw_values(obj, mesh, name)
-        if found is None and len(known.positions) <= _AT_ONCE:
-            weights = all_group_weights(mesh, group_of(obj, name))
-            found = RawValues(name, "POINT", np.asarray(weights, dtype=np.float32))
-    if found is not None:
-        return found
-    values = np.zeros(len(known.positions), dtype=np.float32)
-    for first in range(0, len(values), GROUP_PART):
-        yield PAUSE
-        with evaluated_mesh(surface.get(), evaluated()) as mesh:
-            _check_count(surface, len(mesh.vertices), len(values))
-            part = slice(first, first + GROUP_PART)
-            values[part] = group_weights(surface.get(), mesh, name, part)
-    return RawValues(name, "POINT", values)
+    if found is None:
+        found = RawValues(name, "POINT", group_weights(obj, name))
+    return found
 
 
 def material_values(surface: ObjectHandle, known: RawMesh, names: Collection[str]) -> RawValues:

@@ -13,7 +13,7 @@ from ...core.base.steps import PAUSE, Task, run_now
 from ...core.density.terms import names_of
 from ...core.settings.values import Settings, materials_of
 from ...core.surface.arrays import SurfaceArrays, check_unchanged
-from ...core.surface.mesh_snapshot import RawMesh, RawValues, surface_of_raw
+from ...core.surface.mesh_snapshot import RawMesh, RawValues, surface_of_raw, unmoved
 from ...core.surface.sources import digest_of
 from ..base.object_handles import ObjectHandle
 from ..base.times import show_time, time_of
@@ -31,11 +31,13 @@ class Read:
     nearby: Nearby = field(default_factory=Nearby)
     like: SurfaceArrays | None = None  # the same faces in a previous frame
     still: list[str] = field(default_factory=list)  # values that equal those of `like`
+    before: SurfaceArrays | None = None  # an earlier reading, perhaps of the same mesh
 
     def arrays(self) -> SurfaceArrays:
         """All of it as arrays; called in a worker."""
         around = self.nearby.surroundings()
-        found = surface_of_raw(self.mesh, self.values, around, self.nearby.uv, self.like)
+        like = self.like or unmoved(self.mesh, self.before)
+        found = surface_of_raw(self.mesh, self.values, around, self.nearby.uv, like)
         if self.like is None:
             return found
         weights = {name: self.like.weights[name] for name in self.still}
@@ -78,9 +80,13 @@ def read_steps(
     settings: Settings | None = None,
     own: ObjectHandle | None = None,
     known: Known | None = None,
+    before: SurfaceArrays | None = None,
 ) -> Any:
-    """The same as arrays. `known` holds data that is not read again in later frames of a bake."""
+    """The same as arrays. `known` holds data that is not read again in later frames of a bake;
+    triangles of an earlier reading, `before`, are not computed again if the mesh is the same.
+    """
     read = yield from read_parts(surface, settings, own, known)
+    read.before = before
     arrays = yield Task(lambda _: read.arrays())
     if known is not None and settings is not None:
         if read.like is None or known.mesh is None:

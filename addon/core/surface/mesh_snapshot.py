@@ -59,6 +59,7 @@ class RawMesh:
         digest.update(self.positions.astype(np.float64).tobytes())
         return digest.hexdigest()
 
+    @cached_property
     def vertices(self) -> Floats:
         """Positions (v, 3) in world space."""
         found: Floats = self.positions @ self.matrix[:3, :3].T + self.matrix[:3, 3]
@@ -208,20 +209,21 @@ def surface_of_raw(
 ) -> SurfaceArrays:
     """The surface in world space; uv (c, 2) are texture coordinates of the corners.
 
-    Polygons that equal those of another surface are cut as there.
+    Polygons are cut like those of another surface, `like`, if they equal those.
 
     Raises:
         ScatterError: values cannot be a density.
     """
-    cut = _cut_like(mesh, like)
+    like = like if like is not None and like.topology == mesh.topology else None
+    cut = _cut(mesh) if like is None else like.face_corners
     around = Surroundings() if around is None else around
     if uv is not None:
         around = replace(around, uv=np.ascontiguousarray(uv[cut], dtype=np.float64))
     weights, digests = placed_values(mesh.name, values, mesh.starts, cut)
     return SurfaceArrays(
         mesh.name,
-        mesh.vertices(),
-        np.ascontiguousarray(mesh.corners[cut]),
+        mesh.vertices,
+        np.ascontiguousarray(mesh.corners[cut]) if like is None else like.faces,
         mesh.topology,
         mesh.matrix,
         weights,
@@ -233,19 +235,25 @@ def surface_of_raw(
     )
 
 
-def _cut_like(mesh: RawMesh, like: SurfaceArrays | None) -> Ints:
+def _cut(mesh: RawMesh) -> Ints:
     """Corners (m, 3) of the triangles, facing outward."""
-    if like is not None and like.loops is not None and like.topology == mesh.topology:
-        return like.loops
     cut = triangle_corners(mesh)
     return cut[:, ::-1] if mesh.is_mirrored else cut
+
+
+def unmoved(mesh: RawMesh, before: SurfaceArrays | None) -> SurfaceArrays | None:
+    """An earlier reading of the same mesh at the same place, whose triangles are the same."""
+    if before is None or before.topology != mesh.topology:
+        return None
+    same = np.array_equal(before.matrix, mesh.matrix)
+    return before if same and np.array_equal(before.vertices, mesh.vertices) else None
 
 
 def outline_of_raw(mesh: RawMesh) -> SurfaceArrays:
     """The surface without triangles and values."""
     none = np.empty((0, 3), dtype=np.int32)
     return SurfaceArrays(
-        mesh.name, mesh.vertices(), none, mesh.topology, mesh.matrix, loops=none, time=mesh.time
+        mesh.name, mesh.vertices, none, mesh.topology, mesh.matrix, loops=none, time=mesh.time
     )
 
 

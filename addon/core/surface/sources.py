@@ -86,15 +86,6 @@ class Pose:
         return found
 
 
-def pose_of(arrays: SurfaceArrays) -> Pose:
-    """The pose of a surface."""
-    turn = turn_of(arrays.matrix)
-    if not len(arrays.vertices):
-        return Pose(arrays.matrix[:3, 3], turn, 1.0)
-    size = float(np.linalg.norm(np.ptp(arrays.vertices @ turn, axis=0)))
-    return Pose(arrays.vertices.mean(axis=0), turn, max(size, 1e-30))
-
-
 @dataclass(frozen=True)
 class Outline:
     """What describes the shape of a surface, without its arrays."""
@@ -108,9 +99,14 @@ class Outline:
 
 def outline_of(arrays: SurfaceArrays) -> Outline:
     """The outline of a surface."""
-    pose, linear = pose_of(arrays), arrays.matrix[:3, :3]
-    shape = _sums((arrays.vertices - pose.center) @ pose.turn)
-    return Outline(arrays.topology, pose, shape, pose.turn.T @ linear, arrays.matrix[:3, 3])
+    turn, linear = turn_of(arrays.matrix), arrays.matrix[:3, :3]
+    columns = turn.T @ arrays.vertices.T  # each coordinate in one block of memory, which is faster
+    pose = Pose(arrays.matrix[:3, 3], turn, 1.0)
+    if len(arrays.vertices):
+        size = float(np.linalg.norm(np.ptp(columns, axis=1)))
+        pose = Pose(arrays.vertices.mean(axis=0), turn, max(size, 1e-30))
+    shape = _sums((columns - (turn.T @ pose.center)[:, None]).T)
+    return Outline(arrays.topology, pose, shape, turn.T @ linear, arrays.matrix[:3, 3])
 
 
 def sources_of(arrays: SurfaceArrays, settings: Settings, capacity: float = 0.0) -> Sources:
@@ -245,8 +241,8 @@ def _sums(rows: Floats) -> Floats:
     mixed = np.arange(count, dtype=np.uint32) * np.uint32(2654435761)
     signs = 1.0 - 2.0 * (mixed >> np.uint32(31))
     starts = np.arange(blocks) * count // blocks
-    sums = np.add.reduceat(rows * signs[:, None], starts, axis=0)
-    found: Floats = sums / np.sqrt(np.diff(np.append(starts, count)))[:, None]
+    sums = np.add.reduceat(np.ascontiguousarray(rows.T) * signs, starts, axis=1)
+    found: Floats = sums.T / np.sqrt(np.diff(np.append(starts, count)))[:, None]
     return found
 
 

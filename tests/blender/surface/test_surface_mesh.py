@@ -58,10 +58,8 @@ def test_weights_of_a_group_are_those_of_each_vertex():
 
 
 @pytest.mark.parametrize("kind", ["ico", "quads", "concave", "ngons", "mirrored", "meta"])
-def test_a_surface_is_read_with_the_triangles_and_weights_of_blender(kind, monkeypatch):
+def test_a_surface_is_read_with_the_triangles_and_weights_of_blender(kind):
     surface = of_kind(kind)
-    parts = addon_host.part("blender.surface.mesh")
-    monkeypatch.setattr(parts, "_AT_ONCE", 0)  # some vertices at a time, as where an artist waits
     found = addon_host.part("blender.surface.reading").read(surface, asked_for("Grass", kind))
     evaluated = surface.evaluated_get(bpy.context.evaluated_depsgraph_get())
     matrix, mesh = np.array(evaluated.matrix_world), evaluated.to_mesh()
@@ -84,12 +82,33 @@ def asked_for(name, kind=""):
     return settings.Settings(density=density)
 
 
-def test_weights_are_the_same_read_at_once_or_some_at_a_time(monkeypatch):
-    surface, asked = of_kind("quads"), asked_for("Grass")
-    reading = addon_host.part("blender.surface.reading")
-    at_once = reading.read(surface, asked)
-    monkeypatch.setattr(addon_host.part("blender.surface.mesh"), "_AT_ONCE", 0)
-    assert reading.read(surface, asked).fingerprint == at_once.fingerprint
+@pytest.mark.parametrize("mode", ["OBJECT", "WEIGHT_PAINT", "EDIT"])
+def test_reading_a_group_leaves_nothing_behind(mode):
+    surface = of_kind("quads")
+    surface.shape_key_add(name="Basis")
+    surface.shape_key_add(name="Tall").value = 0.5
+    bpy.ops.object.mode_set(mode=mode)
+    bpy.context.view_layer.update()
+    before = [len(blocks) for blocks in (bpy.data.objects, bpy.data.meshes, bpy.data.shape_keys)]
+    found = addon_host.part("blender.surface.reading").read(surface, asked_for("Grass"))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    weights = [vertex.groups[0].weight for vertex in surface.data.vertices]
+    assert found.weights["Grass"].tolist() == weights
+    after = [len(blocks) for blocks in (bpy.data.objects, bpy.data.meshes, bpy.data.shape_keys)]
+    assert after == before
+
+
+def test_reading_a_group_is_no_change_of_the_artist(live):
+    surface = of_kind("quads")
+    heard = []
+    quiet = addon_host.part("blender.base.quiet")
+    bpy.app.handlers.depsgraph_update_post.append(lambda *_: heard.append(quiet.is_quiet()))
+    try:
+        addon_host.part("blender.surface.reading").read(surface, asked_for("Grass"))
+        bpy.context.view_layer.update()
+    finally:
+        bpy.app.handlers.depsgraph_update_post.pop()
+    assert all(heard)
 
 
 def of_kind(kind):
