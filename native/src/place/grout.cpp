@@ -2,6 +2,7 @@
 #include "place/grout.hpp"
 
 #include "base/polygon.hpp"
+#include "base/sort_unique.hpp"
 
 namespace dapple {
 namespace {
@@ -13,8 +14,7 @@ std::vector<std::int32_t> neighbors_of(std::span<const CellPolygon> cell) {
   for (const CellPolygon& piece : cell)
     for (const std::int32_t edge : piece.edges)
       if (edge >= 0) result.push_back(edge);
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 

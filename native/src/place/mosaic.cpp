@@ -7,6 +7,7 @@
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
+#include "base/sort_unique.hpp"
 #include "base/validate.hpp"
 #include "place/grout.hpp"
 #include "place/patch.hpp"
@@ -142,8 +143,7 @@ class Corners {
       for (const PatchPolygon& polygon : tile.polygons)
         for (const std::int32_t v : polygon.corners)
           points_.push_back(key(tile.points[static_cast<std::size_t>(v)]));
-    std::ranges::sort(points_);
-    points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
+    sort_unique(points_);
   }
 
   [[nodiscard]] bool has(const Vec3& point) const {

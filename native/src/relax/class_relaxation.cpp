@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/progress.hpp"
+#include "base/sort_unique.hpp"
 #include "relax/relaxation.hpp"
 #include "sample/class_problem.hpp"
 #include "surface/on_density.hpp"
@@ -31,8 +32,7 @@ std::vector<OrderedFace> ordered_faces(const Surface& surface,
   std::vector<OrderedFace> result;
   result.reserve(faces.size());
   for (const std::int32_t face : faces) result.push_back(surface.ordered().counted_face(face));
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 

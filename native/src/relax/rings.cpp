@@ -6,6 +6,7 @@
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
+#include "base/sort_unique.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -13,12 +14,6 @@ namespace {
 
 constexpr std::size_t kGrain = 32;  // cells or faces per chunk
 constexpr std::size_t kFew = 512;   // faces or sites between two checks
-
-template <typename T>
-void sort_unique(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-}
 
 template <typename T>
 void append(std::vector<T>& to, const std::vector<T>& from) {

@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "base/progress.hpp"
+#include "base/sort_unique.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -24,8 +25,7 @@ std::vector<std::int32_t> vertices_of(const OrderedSurface& mesh,
   std::vector<std::int32_t> result;
   for (const OrderedFace face : faces)
     for (const std::int32_t v : mesh.corners(face)) result.push_back(v);
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
+#include "base/sort_unique.hpp"
 #include "base/validate.hpp"
 
 namespace dapple {
@@ -249,8 +250,7 @@ class Elimination {
 std::pair<std::vector<Indices>, Indices> grouped(std::size_t count,
                                                  std::span<const std::int32_t> classes) {
   Indices names(classes.begin(), classes.end());
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
+  sort_unique(names);
   std::vector<Indices> members(std::max<std::size_t>(names.size(), 1));
   Indices group(count, 0);
   for (std::size_t k = 0; k < count; ++k) {

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/hexagonal.hpp"
+#include "base/sort_unique.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -83,8 +84,7 @@ class Course {
       : surface_(surface.ordered()), faces_(faces) {
     for (const OrderedFace f : faces_)
       for (const std::int32_t v : surface_.welded_corners(f)) vertices_.push_back(v);
-    std::sort(vertices_.begin(), vertices_.end());
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    sort_unique(vertices_);
     for (const OrderedFace f : faces_) {
       const Face corners = surface_.welded_corners(f);
       corners_.push_back({local(corners[0]), local(corners[1]), local(corners[2])});
@@ -256,8 +256,7 @@ class Course {
       }
     }
     for (Node& node : nodes_) {
-      std::sort(node.beside.begin(), node.beside.end());
-      node.beside.erase(std::unique(node.beside.begin(), node.beside.end()), node.beside.end());
+      sort_unique(node.beside);
     }
   }
 

@@ -17,6 +17,7 @@
 #include "base/hand_over.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
+#include "base/sort_unique.hpp"
 #include "base/triangle.hpp"
 #include "base/validate.hpp"
 #include "surface/validate_surface.hpp"
@@ -370,8 +371,7 @@ std::vector<std::int32_t> vertices_of(const Surface& surface, std::span<const Or
   std::vector<std::int32_t> result;
   for (const OrderedFace face : faces)
     for (const std::int32_t v : surface.ordered().corners(face)) result.push_back(v);
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 
