@@ -372,7 +372,7 @@ SAID = {
     "points dapple_angle nan": r"dapple_angle\[6\] is not finite: nan",
     "points dapple_faded other type": "Attribute 'dapple_faded' of 'Tail Scatter' is INT on POINT",
     "Frames is light": "Frames 'Light' of 'Tail Scatter' is a light, not a mesh",
-    "Frames is the scatter": "Frames of 'Tail Scatter' are its own points: bake again",
+    "Frames is the scatter": "Frames of 'Tail Scatter' is the mesh of its own points: bake again",
     "Keys none": "'Tail Scatter Keys' has no INT attribute 'dapple_face' on its points",
     "Keys fewer": "The keyframes are damaged: 23 rows are not a multiple of 12 points",
 }

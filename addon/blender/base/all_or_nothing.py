@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All or nothing: an operator that fails leaves the file as it was, and says why in a sentence."""
+"""Operators that fail restore the file and report the reason in a sentence."""
 
 import traceback
 from collections.abc import Callable, Iterable, Iterator
@@ -20,7 +20,7 @@ _Call = Callable[[], Any]
 @dataclass
 class _State:
     open: bool = False  # whether there are changes that may have to be undone
-    later: list[_Call] = field(default_factory=list)
+    later: list[_Call] = field(default_factory=list)  # called once nothing can fail any more
 
 
 _state = _State()
@@ -30,8 +30,8 @@ _state = _State()
 def all_or_nothing(
     context: bpy.types.Context, objects: Iterable[bpy.types.Object] = ()
 ) -> Iterator[None]:
-    """Put back what is changed inside if that fails: of the active object, of others that are
-    given, and of those that both name. One inside another is a part of it.
+    """Restore objects if the code inside fails: the active one, the given ones, and objects that
+    their properties name. A nested block is a part of the outer one.
     """
     if _state.open:
         yield
@@ -56,7 +56,7 @@ def is_open() -> bool:
 
 
 def once_done(call: _Call) -> None:
-    """Call at the end, once nothing can fail any more; at once if no operator is running."""
+    """Call a function once nothing can fail any more; at once if no operator is running."""
     if _state.open:
         _state.later.append(call)
     else:
@@ -70,7 +70,7 @@ def _do_later() -> None:
 
 
 def sentence(label: str, error: Exception) -> str:
-    """The error message of an operator; the console has details of unexpected errors."""
+    """The error message of an operator; details of unexpected errors go to the console."""
     if isinstance(error, (ScatterError, StoppedError)):
         return str(error)
     if isinstance(error, OSError) and error.filename:
@@ -89,7 +89,7 @@ def tried(
     work: Callable[[], Status | None],
     objects: Callable[[], Iterable[bpy.types.Object]] = list,
 ) -> Status:
-    """The status of an operator after its work, which is undone if it failed."""
+    """Do the work of an operator, undo it if it fails, and return the operator's status."""
     try:
         with all_or_nothing(context, objects()):
             status = work()

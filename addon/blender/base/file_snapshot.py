@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a file holds before an operator, and how that is put back where the operator fails.
+"""The state of a file before an operator, to be restored if the operator fails.
 
-Kept are the objects that it works on and those that their properties of this add-on name: their own
-properties, modifiers and points. New data-blocks are removed. Data-blocks that are to be removed
-wait until all else is done (all_or_nothing.py), so none has to be made again.
+It contains the objects that the operator works on and those that their properties of this add-on
+name, with their properties, modifiers and points. New data-blocks are removed. Data-blocks that an
+operator deletes are deleted last (all_or_nothing.py), so none has to be created again.
 """
 
 from collections.abc import Iterable, Iterator
@@ -22,13 +22,13 @@ _LISTS = (
     *("objects", "meshes", "node_groups", "materials", "collections", "images", "scenes"),
     *("cameras", "lights", "actions", "armatures", "curves", "texts", "brushes"),
 )
-# Of an object: what follows from other values, and what nothing here changes.
+# Properties of an object that follow from others, or that nothing here changes.
 _LEFT = {"matrix_world", "matrix_local", "matrix_basis", "dimensions", "name", "asset_data", "tag"}
 _LEFT |= {"active_material", "active_material_index", "active_shape_key_index", "lightgroup"}
 _LEFT |= {"is_runtime_data", "use_extra_user", "active_selection_set"}
 _TOOLS = ("mesh_select_mode",)
 _RENDER = ("simplify_subdivision", "simplify_subdivision_render")
-# Attributes of meshes: the field with their values, numpy's type, numbers in each.
+# Types of mesh attributes: name of the field, numpy's type, numbers per element.
 _FIELDS: dict[str, tuple[str, Any, int]] = {
     "FLOAT": ("value", np.float32, 1),
     "INT": ("value", np.int32, 1),
@@ -46,7 +46,7 @@ _FIELDS: dict[str, tuple[str, Any, int]] = {
 
 
 class FileSnapshot:
-    """The state of what an operator works on."""
+    """The state of the objects that an operator works on."""
 
     def __init__(self, context: bpy.types.Context, objects: Iterable[bpy.types.Object]) -> None:
         self._known = {block.session_uid for block in _blocks()}
@@ -57,12 +57,12 @@ class FileSnapshot:
         self._objects = [_Object(obj, obj in written) for obj in found]
 
     def forget(self) -> None:
-        """Nothing is to be put back."""
+        """Free the copies; nothing is to be restored."""
         for one in self._objects:
             one.forget()
 
     def restore(self) -> None:
-        """Have all be as it was, which is nobody's change."""
+        """Restore the state; this does not count as a change of the artist."""
         with quiet():
             self._view.leave_mode()
             for one in self._objects:
@@ -80,7 +80,7 @@ def _blocks() -> Iterator[bpy.types.ID]:
 
 
 def _reached(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Object]:
-    """Objects, and those that properties of this add-on name, each once."""
+    """Objects and those that their properties of add-ons name, each once."""
     found: dict[int, bpy.types.Object] = {}
     waiting = list(objects)
     while waiting:
@@ -94,7 +94,7 @@ def _reached(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Object]:
 
 
 def _groups(obj: bpy.types.Object) -> list[str]:
-    """Names of the properties of add-ons that an object has values of."""
+    """Names of an object's property groups that were set."""
     names = [prop.identifier for prop in obj.bl_rna.properties if is_group(prop)]
     return [name for name in names if obj.is_property_set(name)]
 
@@ -114,7 +114,7 @@ def _named(group: bpy.types.PropertyGroup) -> list[bpy.types.Object]:
 
 
 class _View:
-    """What is active, selected and shown, and in which mode."""
+    """Active object, mode, selection, frame, cursor and some settings of the scene."""
 
     def __init__(self) -> None:
         context = bpy.context
@@ -134,7 +134,7 @@ class _View:
         ]
 
     def leave_mode(self) -> None:
-        """Go to Object Mode, where data can be written, unless all is as it was."""
+        """Go to Object Mode, where data can be written."""
         active = self._layer.objects.active
         if active is not None and active.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
@@ -162,7 +162,7 @@ class _View:
 
 
 def _own_names(scene: bpy.types.Scene) -> list[str]:
-    """Plain properties that add-ons have given scenes."""
+    """Properties of scenes that add-ons have registered, without groups."""
     plain = [prop for prop in scene.bl_rna.properties if prop.is_runtime and not prop.is_readonly]
     return [prop.identifier for prop in plain if prop.type not in {"POINTER", "COLLECTION"}]
 
@@ -194,7 +194,7 @@ class _Object:
             else:
                 obj.property_unset(name)
         self._own.restore()
-        self._restore_modifiers()  # which update functions of the properties may have written
+        self._restore_modifiers()  # update functions of the properties may have written them
         restore_custom(obj, self._keys)
         for group in [one for one in obj.vertex_groups if one.name not in self._vertex_groups]:
             obj.vertex_groups.remove(group)
@@ -222,7 +222,7 @@ class _Object:
 
 
 def _hidden(obj: bpy.types.Object) -> bool | None:
-    """Whether the eye hides an object; None where the view layer does not have it."""
+    """Whether an object is hidden by its eye icon; None if it is not in the view layer."""
     with suppress(RuntimeError):
         return bool(obj.hide_get())
     return None
@@ -242,7 +242,7 @@ class _Modifier:
 
 
 class _Points:
-    """The geometry of a mesh, and its custom properties."""
+    """The geometry and the custom properties of a mesh."""
 
     def __init__(self, obj: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
         self._obj, self._mesh, self._keys = obj, mesh, custom_of(mesh)
@@ -277,7 +277,7 @@ class _Points:
 
 
 def _content(mesh: bpy.types.Mesh) -> dict[str, Any]:
-    """All that tells a mesh apart, without its normals."""
+    """Everything that distinguishes a mesh, without its normals."""
     found: dict[str, Any] = {"edges": [tuple(edge.vertices) for edge in mesh.edges]}
     found["faces"] = [tuple(face.vertices) for face in mesh.polygons]
     for attribute in mesh.attributes:

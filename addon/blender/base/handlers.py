@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's events, whichever file is open: one function for each, which calls the features that
-have subscribed.
+"""Blender's events: one function for each calls the features that subscribed to it. It stays when
+another file is opened.
 """
 
 import traceback
@@ -25,23 +25,23 @@ class Update:
 
     @property
     def is_edited(self) -> bool:
-        """Whether the block was edited: objects are also listed if only others were."""
+        """Whether the block was edited: Blender also lists objects that depend on edited ones."""
         return self.geometry or self.transform or not isinstance(self.block, bpy.types.Object)
 
 
 class Evaluation:
-    """What Blender has evaluated; the updates are read once for all subscribers."""
+    """An evaluation by Blender; its updates are read once for all subscribers."""
 
     def __init__(self, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         self.scene, self.depsgraph = scene, depsgraph
 
     @cached_property
     def updates(self) -> list[Update]:
-        """All data-blocks that were evaluated."""
+        """The evaluated data-blocks."""
         return list(self._read())
 
     def objects(self) -> Iterator[tuple[bpy.types.Object, Update]]:
-        """The objects among them."""
+        """The evaluated objects."""
         for one in self.updates:
             if isinstance(one.block, bpy.types.Object):
                 yield one.block, one
@@ -59,7 +59,7 @@ _Evaluated = Callable[[Evaluation], None] | None
 
 @dataclass(frozen=True)
 class Subscriber:
-    """Functions of a feature, each called after an event, or before it if so named."""
+    """Functions of a feature that are called after events, or before those called `before_...`."""
 
     updated: _Evaluated = None  # something was edited and evaluated
     frame_changed: _Evaluated = None
@@ -71,12 +71,12 @@ class Subscriber:
     saved: Callable[[str], None] | None = None  # takes the path of the file
     render_began: _Event = None
     render_ended: _Event = None
-    enabled: _Event = None  # the add-on was enabled, and there is a file
+    enabled: _Event = None  # the add-on was enabled, and a file is open
     disabled: _Event = None  # the add-on is disabled, or could not be enabled
     ticks: tuple[Tick, ...] = ()  # called off when the add-on is disabled
 
     def register(self) -> None:
-        """Subscribe, after all others."""
+        """Subscribe; called after all earlier subscribers."""
         _subscribers.append(self)
         if self.enabled is not None:
             call_within(0.0, self.enabled)  # while Blender starts there is no file yet
@@ -106,7 +106,7 @@ _EVENTS = {  # names of Blender's lists of handlers
     "render_cancel": "render_ended",
 }
 _subscribers: list[Subscriber] = []
-_called: dict[str, Callable[..., None]] = {}  # our function in each list
+_called: dict[str, Callable[..., None]] = {}  # the function in each list
 
 
 def register() -> None:
@@ -117,7 +117,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Remove them."""
+    """Remove these functions."""
     for name, function in _called.items():
         listed = getattr(bpy.app.handlers, name)
         if function in listed:
@@ -126,7 +126,7 @@ def unregister() -> None:
 
 
 def publish(event: str, *given: Any) -> None:
-    """Call all that have subscribed to an event; also if one fails."""
+    """Call all subscribers of an event, even if one fails."""
     for subscriber in list(_subscribers):
         function = getattr(subscriber, event)
         if function is None:

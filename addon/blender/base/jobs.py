@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Background work: its progress, how it is cancelled, its undo step, and what becomes of errors.
+"""Background work: progress, cancellation, errors and the undo step.
 
-A worker computes; between two of its tasks a timer reads and writes the file. Blender without
-windows has no timers: there all work is done at once.
+A worker thread computes; between two of its tasks a timer reads and writes the file. Blender
+without windows has no timers, so there all work is done at once.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from ...core.base.steps import Stepper, Steps
 from .all_or_nothing import sentence
 from .handlers import Subscriber
 
-_LONG = 3600.0  # seconds that a Blender without windows waits for a worker
+_LONG = 3600.0  # seconds that Blender without windows waits for a task
 
 at_once = bpy.app.background
 _running: "list[Job]" = []
@@ -27,14 +27,14 @@ def _nothing(_why: str) -> None: ...
 
 @dataclass(eq=False)
 class Job:
-    """Steps, and what follows them. An operator's label says in errors what has failed."""
+    """Steps, and functions that are called when they end."""
 
-    label: str  # in English
+    label: str  # of an operator, in English; error messages contain it
     steps: Steps
     done: Callable[[Any], str]  # takes the result; returns the name of an undo step, or ""
     failed: Callable[[str], None]  # takes the reason, a sentence
     stopped: Callable[[str], None] = _nothing  # it was cancelled
-    whole: bool | None = None  # do all of it at once; None: if there are no windows
+    whole: bool | None = None  # whether to do all work at once; None: if there are no windows
     works_during_renders: bool = False
     stepper: Stepper = field(init=False)
 
@@ -45,21 +45,21 @@ class Job:
 
     @property
     def progress(self) -> float:
-        """Share of the whole that is done, in [0, 1]."""
+        """Completed share of the work, in [0, 1]."""
         return self.stepper.progress
 
     @property
     def waits(self) -> bool:
-        """Whether a worker is at a task."""
+        """Whether the worker is busy."""
         return self.stepper.waits
 
     @property
     def is_running(self) -> bool:
-        """Whether it has neither ended nor been cancelled."""
+        """Whether the job has neither ended nor been cancelled."""
         return self in _running and not self.stepper.is_stopped
 
     def begin(self) -> None:
-        """Do the first step. Errors are raised, and nothing else follows them."""
+        """Do the first step. Errors are raised, and no function is called."""
         try:
             if self._advance(0.0) and self.whole:
                 self._finish()
@@ -68,7 +68,7 @@ class Job:
             raise
 
     def go_on(self, seconds: float = 0.0) -> bool:
-        """Go on for so long, or by one step; whether it has ended, in whatever way."""
+        """Continue for this time, or by one step; returns whether the job has ended in any way."""
         try:
             ended = self._advance(seconds)
             if ended:
@@ -90,12 +90,12 @@ class Job:
         self.stepper.cancel()
 
     def abandon(self) -> None:
-        """Stop without waiting for the worker; nothing follows."""
+        """Stop without waiting for the worker; no function is called."""
         self._forget()
         self.stepper.abandon()
 
     def close(self) -> None:
-        """Stop and wait for the worker; nothing follows."""
+        """Stop and wait for the worker; no function is called."""
         self._forget()
         self.stepper.close()
 
@@ -130,14 +130,15 @@ def _disabled() -> None:
 
 SUBSCRIBER = Subscriber(render_began=_render_began, disabled=_disabled)
 
-_OWN_STEPS = ("EDIT", "SCULPT", "PAINT_TEXTURE")  # modes whose steps hold one object or image alone
+# Modes in which an undo step contains one object or image only.
+_OWN_STEPS = ("EDIT", "SCULPT", "PAINT_TEXTURE")
 
 
 def push_undo(name: str) -> None:
-    """Make what was written a step of its own.
+    """Make an undo step of what was written.
 
-    In modes whose steps would not hold it there is none: an undo there leaves it as it is, and one
-    beyond takes it back.
+    In modes whose undo steps would not contain it none is made: an undo in the mode does not change
+    it, an undo of an earlier step does.
     """
     windows = bpy.context.window_manager.windows
     with bpy.context.temp_override(window=windows[0] if windows else None):

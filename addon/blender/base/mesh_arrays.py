@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points, attributes and face corners of a mesh <-> numpy arrays, in bulk."""
+"""Points, attributes and face corners of meshes as numpy arrays."""
 
 from typing import Any
 
@@ -18,12 +18,12 @@ _FIELD = {"INT": "value", "FLOAT": "value", "FLOAT_VECTOR": "vector", "BOOLEAN":
 
 
 def matrix_of(obj: bpy.types.Object) -> Floats:
-    """From the object's own space (4, 4) to world space."""
+    """Matrix (4, 4) from the object's own space to world space."""
     return np.array(obj.matrix_world, dtype=np.float64)
 
 
 def write_points(mesh: bpy.types.Mesh, positions: Floats) -> None:
-    """Make the mesh these points and nothing else."""
+    """Replace the geometry of a mesh by points."""
     mesh.clear_geometry()
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", np.asarray(positions, dtype=np.float32).ravel())
@@ -47,7 +47,7 @@ def write_columns(mesh: bpy.types.Mesh, columns: Columns, types: dict[str, str])
 
 
 def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:
-    """The attribute of that name on the points of a mesh; one of another kind makes room."""
+    """The attribute of that name on the points of a mesh; one of another type is replaced."""
     attribute = mesh.attributes.get(name)
     if attribute is not None and (attribute.data_type != kind or attribute.domain != "POINT"):
         mesh.attributes.remove(attribute)
@@ -75,10 +75,10 @@ def _column(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
 
 
 def to_local(obj: bpy.types.Object, positions: Floats) -> Floats:
-    """World space -> the object's own space; ScatterError if that is flat."""
+    """Positions in the object's own space; ScatterError if its scale is 0."""
     matrix = matrix_of(obj)
     if not np.isfinite(matrix).all():
-        raise ScatterError(f"'{obj.name}' stands nowhere: its location or scale is not finite")
+        raise ScatterError(f"'{obj.name}' has a location or scale that is not finite")
     try:
         inverse = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
@@ -90,7 +90,7 @@ def to_local(obj: bpy.types.Object, positions: Floats) -> Floats:
 
 
 def to_world(obj: bpy.types.Object, positions: Floats) -> Floats:
-    """The object's own space -> world space."""
+    """Positions in world space."""
     matrix = matrix_of(obj)
     return positions @ matrix[:3, :3].T + matrix[:3, 3]
 
@@ -111,7 +111,7 @@ def polygon_starts(mesh: bpy.types.Mesh) -> Ints:
 
 
 def triangle_corners(mesh: bpy.types.Mesh) -> Ints:
-    """Corners (f, 3) of the triangles that Blender cuts the faces into."""
+    """Corners (f, 3) of the triangles into which Blender splits the faces."""
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
     if count == len(mesh.polygons):  # every face is a triangle
@@ -122,12 +122,12 @@ def triangle_corners(mesh: bpy.types.Mesh) -> Ints:
 
 
 def has_corner_normals(mesh: bpy.types.Mesh, matrix: Floats) -> bool:
-    """Whether the normals of a mesh are not those of its vertices where a matrix brings it."""
+    """Whether the shading normals of a mesh differ from its vertex normals in world space."""
     return mesh.normals_domain != "POINT" or is_sheared(matrix)
 
 
 def shading_normals(mesh: bpy.types.Mesh) -> Singles:
-    """Unit normals (c, 3) of the corners, or (p, 3) of the faces where all of them are flat."""
+    """Unit normals (c, 3) of the corners, or (p, 3) of the faces if all of them are flat."""
     flat = mesh.normals_domain == "FACE"
     normals = mesh.polygon_normals if flat else mesh.corner_normals
     found = np.empty((len(normals), 3), dtype=np.float32)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects found again: the artist may delete anything while something is under way."""
+"""Handles of objects: the artist may delete or rename an object while background work runs."""
 
 import bpy
 
@@ -7,7 +7,7 @@ from ...core.base.errors import ScatterError
 
 
 class ObjectHandle:
-    """A handle of an object across steps, without a reference that an undo would invalidate."""
+    """Finds an object again; unlike a reference it stays valid after an undo."""
 
     def __init__(self, obj: bpy.types.Object) -> None:
         self.uid, self.name = obj.session_uid, obj.name

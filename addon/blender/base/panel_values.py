@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What panels show is found outside of drawing.
+"""Values that panels show, which are computed outside of drawing.
 
-Drawing looks up what was found last and leaves a note that it was asked for. As soon as Blender is
-idle, an app timer looks again and has the panels drawn once more if it finds something else. In
-background mode there is no timer, and what is asked for is found at once.
+Drawing uses the last known value and requests a new one. When Blender is idle, a timer computes
+requested values and redraws the panels if one has changed. In background mode there is no timer,
+and values are computed when they are drawn.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ from .sidebars import redraw
 from .timers import call_within
 
 _PAUSE = 0.2  # seconds until the next check while Blender renders or solves
-_MOST = 64  # values that are kept besides those in use
+_MOST = 64  # number of values above which unused ones are forgotten
 
 at_once = bpy.app.background
 Find = Callable[[Any], Any]  # takes the object, or None
@@ -40,16 +40,16 @@ class _Note:
 _notes: dict[tuple[int, int], _Note] = {}  # by request and the session_uid of the object
 
 
-# Not generic over what is found: typing keeps such classes until Python ends, and with them bpy's,
-# so that Python never closes bpy.
+# Not generic over the type of the value: typing keeps such classes, and with them those of bpy,
+# until Python ends, and then bpy is never closed.
 class CachedValue:
-    """A value that panels show, of an object or of none."""
+    """A value that panels show, which may belong to an object."""
 
     def __init__(self, find: Find, before: Any) -> None:
         self._find, self._before = find, before
 
     def of(self, obj: bpy.types.Object | None = None) -> Any:
-        """The last known value; the default until it is known."""
+        """The last known value, or the default."""
         if at_once:
             return self._find(obj)
         key = id(self), obj.session_uid if obj is not None else 0
@@ -72,7 +72,7 @@ def tick() -> float | None:
     if busy() or step_operators.is_under_way():
         return _PAUSE
     _tidy()
-    others = False
+    any_changed = False
     for key, note in list(_notes.items()):
         if not note.requested:
             continue
@@ -82,9 +82,9 @@ def tick() -> float | None:
         except ScatterError:  # the object was removed
             del _notes[key]
             continue
-        others = others or found != note.found
+        any_changed = any_changed or found != note.found
         note.found = found
-    if others:
+    if any_changed:
         redraw()
     return None
 

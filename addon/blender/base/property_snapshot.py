@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values of a struct of Blender's and its custom properties, and how they are put back."""
+"""Values of Blender's structs and their custom properties, to be restored later."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -15,12 +15,12 @@ def is_group(prop: bpy.types.Property) -> bool:
 
 
 class Properties:
-    """Values of a struct of Blender's, with those of property groups inside."""
+    """Values of one of Blender's structs, and of property groups in it."""
 
     def __init__(self, struct: Any, leave: Iterable[str] = (), groups: bool = True) -> None:
         self._struct, self._groups = struct, groups
         self._set: dict[str, Any] = {}  # values by name
-        self._unset: set[str] = set()  # of them those that were never set
+        self._unset: set[str] = set()  # names of those that were never set
         self._inside: dict[str, Properties] = {}
         self._lists: dict[str, list[Properties]] = {}
         for prop in struct.bl_rna.properties:
@@ -51,7 +51,7 @@ class Properties:
         for name, value in self._set.items():
             lost = self._groups and name not in self._unset and not struct.is_property_set(name)
             if lost or not _same(plain(getattr(struct, name)), value):
-                with suppress(AttributeError, TypeError):  # what Blender computes
+                with suppress(AttributeError, TypeError):  # Blender computes some values
                     setattr(struct, name, value)
         for name in self._unset:
             if struct.is_property_set(name):
@@ -72,7 +72,7 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def plain(value: Any) -> Any:
-    """A value that does not change with the file; data-blocks stay what they are."""
+    """A copy of a value that does not change with the file; data-blocks are not copied."""
     if isinstance(value, (bool, int, float, str, set, frozenset, bpy.types.ID)) or value is None:
         return value
     if hasattr(value, "to_dict"):
@@ -83,7 +83,7 @@ def plain(value: Any) -> Any:
 
 
 def custom_of(block: bpy.types.ID) -> dict[str, Any]:
-    """Custom properties, without those that add-ons have registered."""
+    """Custom properties of a data-block, without those that add-ons registered."""
     registered = {prop.identifier for prop in block.bl_rna.properties}
     return {name: plain(block[name]) for name in set(block.keys()) - registered}
 

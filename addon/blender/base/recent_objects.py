@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which objects were active last: what an artist has clicked before what is active now."""
+"""The objects that were active last, in their order."""
 
 from collections.abc import Iterable
 
@@ -13,7 +13,7 @@ _uids: dict[int, None] = {}  # session_uids, the latest last
 
 
 def latest_of(objects: Iterable[bpy.types.Object]) -> bpy.types.Object | None:
-    """The most recently active of these objects; None if none was active recently."""
+    """The one of these objects that was active last; None if none was."""
     _note_active()
     order = list(_uids)
     known = [obj for obj in objects if obj.session_uid in _uids]
@@ -39,7 +39,7 @@ SUBSCRIBER = Subscriber(updated=_note, before_load=_uids.clear, disabled=_uids.c
 
 
 def activate(context: bpy.types.Context, obj: bpy.types.Object) -> None:
-    """Make it the active object and the only selected one."""
+    """Make an object the active one and the only selected one."""
     for other in context.selected_objects:
         other.select_set(False)
     obj.select_set(True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether Blender renders: then nothing is computed for the viewport."""
+"""Whether Blender renders. Nothing is computed for the viewport during a render."""
 
 from dataclasses import dataclass
 
@@ -22,12 +22,14 @@ def busy() -> bool:
     return _state.rendering or locked or bpy.app.is_job_running("RENDER")
 
 
-def _begins() -> None:
+def _began() -> None:
     _state.rendering = True
 
 
-def _ends() -> None:
+def _ended() -> None:
     _state.rendering = False
 
 
-SUBSCRIBER = Subscriber(render_began=_begins, render_ended=_ends, before_load=_ends, disabled=_ends)
+SUBSCRIBER = Subscriber(
+    render_began=_began, render_ended=_ended, before_load=_ended, disabled=_ended
+)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the add-on's panels are: whether they may show an object, and drawing them again."""
+"""The sidebars with the add-on's panels: whether they may show an object, and redrawing them."""
 
 from collections.abc import Iterator
 
@@ -17,7 +17,7 @@ def is_shown(obj: bpy.types.Object) -> bool:
 
 
 def redraw() -> None:
-    """Have the panels be drawn again, and the preferences."""
+    """Redraw the panels and the preferences."""
     for manager in bpy.data.window_managers:
         for window in manager.windows:
             for region in (*_sidebars(window), *_preferences(window)):
@@ -25,7 +25,7 @@ def redraw() -> None:
 
 
 def _is_painted(obj: bpy.types.Object, window: bpy.types.Window) -> bool:
-    """Whether a window shows a scatter because its surface, which is active, is painted."""
+    """Whether a window shows a scatter while its surface is active and painted."""
     active = window.view_layer.objects.active
     painting = active is not None and active.mode == "WEIGHT_PAINT"
     return painting and window.scene.dapple_painted == obj.name

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that work in steps: at once for scripts and in background mode, else beside what the
-artist does.
+"""Operators that work in steps: at once for scripts and in background mode, otherwise in a timer
+while the artist continues.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ OPTIONS = {"REGISTER", "UNDO"}  # of operators that change the file
 
 
 def is_under_way() -> bool:
-    """Whether some work goes on from a timer."""
+    """Whether the work of an operator continues in a timer."""
     return operator_jobs.current() is not None
 
 
@@ -36,11 +36,11 @@ class StepsOperator:
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
-        """Called once when the work on an object is done, when the operator may be no more."""
+        """Called once the work on an object is done; the operator may not exist any more."""
         return Outcome(obj)
 
     def about(self, context: bpy.types.Context) -> bpy.types.Object:
-        """The object in whose panel it is said how it ends."""
+        """The object whose panel shows the outcome."""
         return context.object
 
     def written(self, context: bpy.types.Context) -> list[bpy.types.Object]:
@@ -48,7 +48,7 @@ class StepsOperator:
         return [self.about(context)]
 
     def watched(self, context: bpy.types.Context) -> dict[int, str]:
-        """What has to stay as it is meanwhile: names by session_uid."""
+        """Data-blocks that must not change during the work: names by session_uid."""
         return {}
 
     def execute(self, context: bpy.types.Context) -> Status:
@@ -63,7 +63,7 @@ class StepsOperator:
             self.report({kind}, text)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        """Begin the work, whose undo step is made once it is done."""
+        """Start the work; its undo step is made when it is done."""
         if jobs.at_once:
             return self.execute(context)
         return tried(self, context, lambda: self._begin(context), lambda: self.written(context))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Functions that are called after a time, whichever file is open then. Blender has one timer for
-all of them.
+"""Functions that are called after a time, also if another file is open by then. All of them share
+one of Blender's timers.
 """
 
 import math
@@ -16,43 +16,43 @@ Tick = Callable[[], float | None]  # returns seconds until its next call, None t
 
 @dataclass
 class _State:
-    due: dict[Tick, float] = field(default_factory=dict)  # when each is called, by time.monotonic
-    running: bool = False  # Blender must not lose the timer that it is calling
+    due: dict[Tick, float] = field(default_factory=dict)  # times of the next calls, monotonic
+    running: bool = False  # the timer must not be unregistered while Blender calls it
 
 
 _state = _State()
 
 
 def call_in(seconds: float, tick: Tick) -> None:
-    """Call it in so many seconds, even if it was to be called at another time."""
+    """Call a function after this time, even if it was to be called at another time."""
     _state.due[tick] = time.monotonic() + seconds
     _arm()
 
 
 def call_within(seconds: float, tick: Tick) -> None:
-    """Call it in so many seconds, unless it is to be called anyway."""
+    """Call a function after this time, unless it is to be called anyway."""
     if tick not in _state.due:
         call_in(seconds, tick)
 
 
 def call_off(tick: Tick) -> None:
-    """Do not call it."""
+    """Do not call a function."""
     _state.due.pop(tick, None)
     if not _state.due:
         _disarm()
 
 
 def is_due(tick: Tick) -> bool:
-    """Whether it is to be called."""
+    """Whether a function is to be called."""
     return tick in _state.due
 
 
 def run_due() -> float | None:
-    """Call all whose time has come, each once; seconds until the next one, None without any."""
+    """Call all functions that are due, once each; returns seconds until the next, or None."""
     now, _state.running = time.monotonic(), True
     try:
         for tick in [one for one, when in _state.due.items() if when <= now]:
-            if _state.due.get(tick, math.inf) <= now:  # another one may have called it off
+            if _state.due.get(tick, math.inf) <= now:  # another function may have called it off
                 _run(tick)
     finally:
         _state.running = False
@@ -68,9 +68,7 @@ def _run(tick: Tick) -> None:
         return
     if seconds is not None:
         when = time.monotonic() + seconds
-        _state.due[tick] = min(
-            when, _state.due.get(tick, when)
-        )  # it may have been asked for meanwhile
+        _state.due[tick] = min(when, _state.due.get(tick, when))  # perhaps requested meanwhile
 
 
 def _wait() -> float | None:
@@ -78,7 +76,7 @@ def _wait() -> float | None:
 
 
 def _arm() -> None:
-    """Have Blender call in time. A background Blender runs no timers and never frees one."""
+    """Register the timer. Blender in background mode runs no timers and never frees one."""
     if not bpy.app.background and not _state.running:
         _disarm()
         bpy.app.timers.register(run_due, first_interval=_wait() or 0.0, persistent=True)

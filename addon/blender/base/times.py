@@ -1,29 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of the scene and times of the animation: Time Stretching maps the one to the other.
+"""Frames of the scene and times of the animation, which differ under Time Stretching.
 
-Animation, and the nodes that play a bake, know times only; so keys are baked at whole times.
+Animation and the nodes that play a bake use times, so keyframes are baked at whole times.
 """
 
 import math
 
 import bpy
 
-_WHOLE = 1e-3  # so far from a whole time is one: frames are stored in single precision
+_WHOLE = 1e-3  # tolerance of whole times: frames are stored in single precision
 
 
 def time_of(scene: bpy.types.Scene) -> float:
-    """Time that the scene shows now."""
+    """The current time of a scene."""
     return float(scene.frame_current_final)
 
 
 def whole_time(scene: bpy.types.Scene) -> int | None:
-    """The same where it is a whole one."""
+    """The same if it is a whole number, otherwise None."""
     time = time_of(scene)
     return round(time) if abs(time - round(time)) <= _WHOLE else None
 
 
 def show_time(scene: bpy.types.Scene, time: float) -> None:
-    """Go to a time."""
+    """Make a time the current one."""
     frame = time / _stretch(scene)
     if _stretch(scene) != 1.0 and abs(frame - round(frame)) < _WHOLE:
         frame = round(frame)
@@ -32,7 +32,7 @@ def show_time(scene: bpy.types.Scene, time: float) -> None:
 
 
 def times_of(scene: bpy.types.Scene, first: int, last: int) -> tuple[int, int]:
-    """Whole times that hold these frames."""
+    """The first and last whole time of a range that contains these frames."""
     stretch = _stretch(scene)
     if stretch == 1.0:
         return first, last
@@ -40,5 +40,5 @@ def times_of(scene: bpy.types.Scene, first: int, last: int) -> tuple[int, int]:
 
 
 def _stretch(scene: bpy.types.Scene) -> float:
-    """Time from one frame to the next."""
+    """Duration of a frame."""
     return float(scene.render.frame_map_old / scene.render.frame_map_new)

@@ -33,7 +33,7 @@ def translated(template: str, **values: Any) -> str:
 
 
 def translated_count(count: int, one: str, many: str) -> str:
-    """The message for one or for several, with its {count} filled in.
+    """The singular or the plural message, with its {count} filled in.
 
     A language with more plural forms needs a wording that fits all of them: "Points: {count}".
     """
@@ -52,9 +52,9 @@ def english(template: str, **values: Any) -> str:
 
 def label_of(prop: bpy.types.Property, translate: Translate = translated) -> str:
     """The label of a property in the language of `translate`."""
-    return (
-        prop.name if translate is english else pgettext_iface(prop.name, prop.translation_context)
-    )
+    if translate is english:
+        return prop.name
+    return pgettext_iface(prop.name, prop.translation_context)
 
 
 def item_label(prop: bpy.types.Property, identifier: str) -> str:
@@ -82,7 +82,7 @@ def catalogs(folder: Path) -> dict[str, Messages]:
         try:
             found[path.stem] = _read(path)
         except (OSError, ValueError) as error:
-            print(f"Dapple: '{path}' is no translation: {error}")
+            print(f"Dapple: '{path}' is not a translation: {error}")
     return found
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the artist is doing now, which nothing that a timer does may interfere with."""
+"""What the artist is doing now; timers must not interfere with it."""
 
 from collections.abc import Iterator
 
@@ -10,12 +10,12 @@ _SCRUBBING = "ANIM_OT_change_frame"
 
 
 def is_playing() -> bool:
-    """Whether some window plays the animation."""
+    """Whether a window plays the animation."""
     return any(window.screen.is_animation_playing for window in _windows())
 
 
 def is_painting() -> bool:
-    """Whether a brush stroke has begun."""
+    """Whether a brush stroke is running."""
     return any(name.startswith(_STROKES) for name in _running())
 
 
@@ -25,14 +25,14 @@ def is_scrubbing() -> bool:
 
 
 def is_operated() -> bool:
-    """Whether an operator that will be an undo step has begun, as one that moves an object: a step
-    that is made meanwhile would hold half of it.
+    """Whether an operator is running that ends in an undo step, such as a move of an object: an
+    undo step made now would contain a part of its changes.
     """
     return any("UNDO" in one.bl_options for window in _windows() for one in window.modal_operators)
 
 
 def is_using_tool() -> bool:
-    """Whether a brush stroke or a move of an object has begun: what changes, will change again."""
+    """Whether a tool is running, so that more changes will follow."""
     return is_painting() or is_operated()
 
 

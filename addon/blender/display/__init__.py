@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is shown in the viewport only, and far from the camera."""
+"""Live preview, viewport share and levels of detail."""

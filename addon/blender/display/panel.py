@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sub-panel for what is shown: in the viewport, and at a distance from the camera."""
+"""The panel Display: what is shown in the viewport and at a distance from the camera."""
 
 from typing import ClassVar
 

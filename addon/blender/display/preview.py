@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Live preview: while the artist scrubs or poses, points are kept even within a time budget.
 
-An app timer reads the surface after Blender has evaluated it, a worker finds the points' places,
-and the timer writes a binding of its own, which the node group plays in the viewport only. Renders
-play the bake or the stored binding, so nothing here runs in one or changes one. Handlers only note
-that something happened.
+A timer reads the surface after Blender has evaluated it, a worker computes the places of the
+points, and the timer writes them as a separate binding, which the node group plays in the viewport
+only. Renders play the bake or the stored binding, so a preview neither runs in a render nor changes
+it. Handlers only note that something happened.
 """
 
 from dataclasses import dataclass
@@ -34,11 +34,11 @@ _LABEL = "Live Preview"
 
 @dataclass
 class _State:
-    """What the timer and the handlers share; file data is always looked up anew."""
+    """State that the timer and the handlers share; file data is always looked up again."""
 
     previews: dict[int, Preview]  # by the scatter's session_uid
     dirty: bool = False
-    undone: bool = False  # an undo may have brought back a preview that is off
+    undone: bool = False  # an undo may have restored a preview that is off
     end_reason: str = ""  # reason why a preview ended by itself
 
 
@@ -46,7 +46,7 @@ _state = _State({})
 
 
 def is_on(obj: bpy.types.Object) -> bool:
-    """Whether a scatter is previewed."""
+    """Whether a scatter has a preview."""
     return obj.session_uid in _state.previews
 
 
@@ -77,7 +77,7 @@ def note(obj: bpy.types.Object) -> str:
 def start(obj: bpy.types.Object) -> None:
     """Preview a scatter; ScatterError if it does not fit its surface.
 
-    Blender with windows finds that out while the artist goes on, and the panel says it.
+    If there are windows, this is checked in the background, and the panel shows the error.
     """
     preview = Preview(ObjectHandle(obj), ObjectHandle(surface_of(obj)))
     if not own_points(obj).all():
@@ -85,7 +85,7 @@ def start(obj: bpy.types.Object) -> None:
             f"Scatter '{obj.name}' has points that its bake added: clear the bake to preview"
         )
     _give_up(obj.session_uid)
-    clear_bindings(keep=_state.previews)  # a copy of a scatter that is previewed has its preview
+    clear_bindings(keep=_state.previews)  # a copy of a previewed scatter has its preview too
     preview.job = _job(preview, begin_steps(preview))
     preview.job.begin()
     _state.previews[obj.session_uid] = preview
@@ -126,8 +126,8 @@ def tick() -> float | None:
     dirty, _state.dirty = _state.dirty, False
     for preview in list(_state.previews.values()):
         _check(preview, dirty)
-    goes_on = any(one.job is not None for one in _state.previews.values())
-    return _POLL if goes_on else _TICK
+    is_running = any(one.job is not None for one in _state.previews.values())
+    return _POLL if is_running else _TICK
 
 
 def _check(preview: Preview, dirty: bool) -> None:

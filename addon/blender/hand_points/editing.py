@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points placed in Edit Mode of their scatter: there, and back with what was changed."""
+"""Editing the points of a scatter in Edit Mode: entering the mode, and leaving it."""
 
 import bmesh
 import bpy
@@ -25,22 +25,22 @@ from .hand_placed import (
     take_in,
 )
 
-_SAME = 1e-5  # of the extent of the points: those that are moved by less are where they were
+_SAME = 1e-5  # relative to the extent: points that are displaced by less count as unmoved
 
 _begun: dict[int, tuple[np.ndarray, Floats]] = {}  # ids and places, by the scatter's session_uid
 
 
 def edited_scatter(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The active scatter, if its points are edited."""
+    """The active scatter, if its points are being edited."""
     obj = context.object
     return obj if is_scatter(obj) and is_being_edited(obj) else None
 
 
 def begin_editing(context: bpy.types.Context) -> None:
-    """Go to Edit Mode of the active scatter, with its points on the surface as it is now.
+    """Enter Edit Mode of the active scatter, with its points on the current surface.
 
     Raises:
-        ScatterError: they cannot be edited; the scene is as before.
+        ScatterError: the points cannot be edited; the scene is unchanged.
     """
     obj = context.object
     _check(obj)
@@ -54,10 +54,10 @@ def begin_editing(context: bpy.types.Context) -> None:
 
 
 def end_editing(context: bpy.types.Context) -> tuple[int, int]:
-    """Leave Edit Mode; how many points were placed, and how many removed.
+    """Leave Edit Mode; returns the numbers of placed and of removed points.
 
     Raises:
-        ScatterError: they cannot be attached; the scene is as before.
+        ScatterError: points cannot be attached; the scene is unchanged.
     """
     obj = context.object
     mode = obj.mode
@@ -77,7 +77,7 @@ def end_editing(context: bpy.types.Context) -> tuple[int, int]:
 
 
 def add_vertex(obj: bpy.types.Object, place: Floats) -> None:
-    """Add a point while they are edited, at a place in world space; it alone is selected."""
+    """Add a point in Edit Mode at a place in world space, and select only this point."""
     mesh = bmesh.from_edit_mesh(obj.data)
     for vertex in mesh.verts:
         vertex.select = False
@@ -98,7 +98,7 @@ def _check(obj: bpy.types.Object) -> None:
 
 
 def _show_on_surface(obj: bpy.types.Object) -> None:
-    """The vertices are where the points were solved; the surface may have moved since."""
+    """Move the vertices with the surface, which may have moved since the points were solved."""
     surface = surface_of(obj)
     arrays, solved = read(surface), obj.dapple.solved_points
     binding, _ = current_binding(obj, surface, arrays)
@@ -112,7 +112,7 @@ def _show_on_surface(obj: bpy.types.Object) -> None:
 
 
 def _drop_edges(obj: bpy.types.Object) -> None:
-    """Those that extruding has made."""
+    """Delete the edges that an extrusion creates."""
     if not len(obj.data.edges):
         return
     edited = bmesh.new()
@@ -123,14 +123,14 @@ def _drop_edges(obj: bpy.types.Object) -> None:
 
 
 def _show_instances(obj: bpy.types.Object, show: bool) -> None:
-    """In Edit Mode they would stay behind the vertices."""
+    """Show or hide instances in Edit Mode, where they would not follow the vertices."""
     modifier = scatter_modifier(obj)
     if modifier is not None:
         modifier.show_in_editmode = show
 
 
 def _lost(obj: bpy.types.Object) -> Floats:
-    """Where removed points were, in world space, as far as the session knows."""
+    """Places of removed points in world space, if they were noted in this session."""
     if obj.session_uid not in _begun:
         return np.empty((0, 3))
     ids, places = _begun[obj.session_uid]

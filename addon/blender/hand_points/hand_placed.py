@@ -51,11 +51,12 @@ Chosen = NDArray[np.bool_]  # per point
 def take_in(
     obj: bpy.types.Object, moved: Chosen, kind: int = 0, lost: Floats | None = None
 ) -> Chosen:
-    """Attach points that were added, copied or moved, and lock them; lost are the places (k, 3) of
-    removed ones. Which points that are.
+    """Attach points that were added, copied or moved, and lock them; returns which ones.
+
+    `lost` are the places (k, 3) of removed points.
 
     Raises:
-        ScatterError: the points cannot be attached; what is stored of them is as before.
+        ScatterError: points cannot be attached; the stored points are unchanged.
     """
     surface = surface_of(obj)
     arrays, placed = read(surface), new_points(obj) | moved
@@ -81,7 +82,7 @@ def _rest(
     binding: Binding,
     placed: Chosen,
 ) -> AtRest | None:
-    """Places on the rest shape, if points are bound to it; those that stay have the same ones."""
+    """Places on the rest shape, if points are bound to it; unmoved points keep theirs."""
     found = rest_of(surface, arrays, binding, obj.dapple.attached_to)
     if found is None or other_faces(obj, arrays):
         return found
@@ -114,30 +115,30 @@ def follow_count(obj: bpy.types.Object) -> None:
 
 
 def is_being_edited(obj: bpy.types.Object) -> bool:
-    """Whether the points are edited, and the places are known that they had."""
+    """Whether the points are being edited, so that their previous places are stored."""
     return _PLACED in obj.data.attributes
 
 
 def note_places(obj: bpy.types.Object) -> None:
-    """Remember where the points are."""
+    """Store the current places of the points."""
     write_columns(own_mesh(obj), {_PLACED: read_points(obj.data)}, PLACED_ATTRIBUTES)
 
 
 def forget_places(obj: bpy.types.Object) -> None:
-    """Remember no more where they were."""
+    """Delete the stored places."""
     mesh = own_mesh(obj)
     mesh.attributes.remove(mesh.attributes[_PLACED])
 
 
 def moved_points(obj: bpy.types.Object) -> Chosen:
-    """Points that are not where they were."""
+    """Points that are not at their stored places."""
     before = read_columns(obj.data, PLACED_ATTRIBUTES)[_PLACED].astype(np.float64)
     found: Chosen = (before != read_points(obj.data)).any(axis=1)
     return found
 
 
 def blank_points(obj: bpy.types.Object) -> Chosen:
-    """Points that were added by hand and are attached to nothing yet."""
+    """Points that were added by hand and are not attached yet."""
     return unbound(binding_from(own_columns(obj, ROW_ATTRIBUTES)))
 
 
@@ -161,6 +162,6 @@ def write_placed(
     write_binding(obj, arrays, found.binding, rest)
     write_own_ids(obj, columns)
     write_locked(obj, placed)
-    inverse = np.linalg.pinv(arrays.matrix)  # which a flattened surface has too
+    inverse = np.linalg.pinv(arrays.matrix)  # it exists for a flattened surface too
     add_edited(obj, found.edited @ inverse[:3, :3].T + inverse[:3, 3])
     write_digest(obj)

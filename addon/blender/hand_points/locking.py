@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Locking points of a scatter, also while it is edited."""
+"""Locking points of a scatter, also in Edit Mode."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ _NAME = "dapple_locked"
 
 
 def lock_points(obj: bpy.types.Object, lock: bool, every: bool) -> int:
-    """Lock or unlock the selected points, or every one; how many that were.
+    """Lock or unlock the selected points, or all; returns their number.
 
     Raises:
         ScatterError: no point is selected.
@@ -48,7 +48,7 @@ def write_locked(obj: bpy.types.Object, chosen: NDArray[np.bool_], lock: bool = 
 
 @contextmanager
 def _out_of_edit_mode(obj: bpy.types.Object) -> Iterator[None]:
-    """Attributes cannot be written while a mesh is edited."""
+    """Leave Edit Mode for a moment, as attributes cannot be written there."""
     editing = obj.mode == "EDIT"
     if editing:
         bpy.ops.object.mode_set(mode="OBJECT")

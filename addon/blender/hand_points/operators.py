@@ -63,7 +63,7 @@ class DAPPLE_OT_finish_editing_points(AllOrNothing, bpy.types.Operator):
 
 
 class _PointOperator(AllOrNothing):
-    """Places a point of the active scatter."""
+    """An operator that edits a single point of the active scatter."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -74,7 +74,7 @@ class _PointOperator(AllOrNothing):
         auto_update.touch(context.object)
 
     def place(self, obj: bpy.types.Object) -> None:
-        """What is done."""
+        """Edit the point."""
         raise NotImplementedError
 
 
@@ -114,7 +114,7 @@ class DAPPLE_OT_place_point(_LocationOperator, bpy.types.Operator):
         return edited_scatter(context) is not None and context.mode == "EDIT_MESH"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        """Where the mouse is."""
+        """Add the point under the mouse."""
         return tried(self, context, lambda: self._place_there(context, event))
 
     def _place_there(self, context: bpy.types.Context, event: bpy.types.Event) -> Status | None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sub-panel Placement, and the main panel while points are edited."""
+"""The panel Placement, and the main panel while points are being edited."""
 
 from typing import ClassVar
 
@@ -17,7 +17,7 @@ _DIRECTION = ("align_to_normal", "random_turn", "random_tilt", "offset")
 
 
 def draw_editing(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool:
-    """What can be done, and the way back; False: no points are edited."""
+    """Draw the help of Edit Mode and a button to leave it; False if no points are being edited."""
     obj = edited_scatter(context)
     if obj is None:
         return False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The place of a surface that is under the mouse."""
+"""The place on a surface that is under the mouse."""
 
 import bpy
 import numpy as np
@@ -13,7 +13,7 @@ from ..surface.mesh import evaluated_mesh
 
 
 def ray_hit(surface: bpy.types.Object, origin: Vector, direction: Vector) -> Floats | None:
-    """The first place of the surface that a ray meets, in world space; None: it meets none."""
+    """The first intersection of a ray with the surface in world space; None if there is none."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     matrix = surface.evaluated_get(depsgraph).matrix_world
     inverse = matrix.inverted_safe()
@@ -30,7 +30,7 @@ def ray_hit(surface: bpy.types.Object, origin: Vector, direction: Vector) -> Flo
 
 
 def place_under_mouse(context: bpy.types.Context, event: bpy.types.Event) -> Floats | None:
-    """The place of the active scatter's surface that is under the mouse; None: none is."""
+    """The place on the active scatter's surface that is under the mouse; None if there is none."""
     region, view = context.region, context.region_data
     if view is None:
         return None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points placed by hand one by one: added, moved, removed."""
+"""Adding, moving and removing single points."""
 
 import bmesh
 import bpy
@@ -17,7 +17,7 @@ from .hand_placed import take_in
 
 
 def add_point(obj: bpy.types.Object, place: Floats, kind: int) -> int:
-    """Add a point of an object type at the place of the surface that is nearest; its id."""
+    """Add a point of an object type at the nearest place of the surface; returns its id."""
     mesh, row = own_mesh(obj), len(obj.data.vertices)
     mesh.vertices.add(1)
     mesh.vertices[row].co = to_local(obj, place[None])[0]
@@ -30,7 +30,7 @@ def add_point(obj: bpy.types.Object, place: Floats, kind: int) -> int:
 
 
 def nearest_point(obj: bpy.types.Object, place: Floats, within: float) -> int | None:
-    """The id of the point that is nearest to a place and no farther than that; None: none is."""
+    """The id of the point nearest to a place, if it is within a distance; otherwise None."""
     surface = surface_of(obj)
     arrays = read(surface)
     away = binding_now(obj, surface, arrays).positions(arrays.vertices) - place
@@ -41,7 +41,7 @@ def nearest_point(obj: bpy.types.Object, place: Floats, within: float) -> int | 
 
 
 def move_point(obj: bpy.types.Object, identity: int, place: Floats) -> None:
-    """Move a point to the place of the surface that is nearest."""
+    """Move a point to the nearest place of the surface."""
     row = _row_of(obj, identity)
     moved = np.zeros(len(obj.data.vertices), dtype=bool)
     moved[row] = True

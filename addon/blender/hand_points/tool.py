@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tool of the 3D View in Object Mode: a click adds a point, a drag pulls one, Ctrl removes it."""
+"""Tool of the 3D View in Object Mode: click to add a point, drag to move one, Ctrl to remove."""
 
 from typing import Any, ClassVar
 
@@ -17,8 +17,8 @@ from ..surface.polls import editable
 from .picking import place_under_mouse
 from .single_points import add_point, move_point, nearest_point, remove_point
 
-_GRAB, _REMOVE = 0.35, 1.0  # spacings within which a point is under the mouse
-_STILL = 3  # pixels that a click may move
+_GRAB, _REMOVE = 0.35, 1.0  # distances in spacings within which a point is under the mouse
+_STILL = 3  # pixels by which the mouse may move during a click
 _added: list[type] = []
 _COLOR = (1.0, 1.0, 1.0, 0.9)
 _WIDTH = 1.5  # pixels, before the scale of the interface
@@ -40,11 +40,11 @@ class DAPPLE_OT_pull_point(bpy.types.Operator):
         return editable(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        """Add or remove a point where the mouse is, or take hold of the one that is there."""
+        """Add or remove a point under the mouse, or start to drag it."""
         return self._tried(context, lambda: self._begin(context, event))
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        """Let go where the button is released; Esc and the right button leave the point."""
+        """Move the point when the button is released; Esc and the right button cancel."""
         if event.type in {"ESC", "RIGHTMOUSE"}:
             self._release(context)
             return {"CANCELLED"}
@@ -124,7 +124,7 @@ class DAPPLE_TOOL_points(bpy.types.WorkSpaceTool):
 
 
 def register() -> None:
-    """Add the tool, where there are windows."""
+    """Add the tool, if there are windows."""
     if not bpy.app.background:
         add_tool()
 
@@ -135,13 +135,13 @@ def add_tool() -> None:
 
 
 def unregister() -> None:
-    """Take it back."""
+    """Remove the tool."""
     while _added:
         bpy.utils.unregister_tool(_added.pop())
 
 
 class Line:
-    """Drawn from when it is made until it is taken away."""
+    """A line that is drawn in the 3D View until it is removed."""
 
     def __init__(self, context: bpy.types.Context, start: Place) -> None:
         self._region, self._area = context.region.as_pointer(), context.area
@@ -150,7 +150,7 @@ class Line:
         self._handler: Any = space.draw_handler_add(draw, (), "WINDOW", "POST_PIXEL")
 
     def to(self, end: Place) -> None:
-        """The mouse is there now."""
+        """Move the end of the line."""
         self._ends = self._ends[0], end
         self._area.tag_redraw()
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scatter object and what it stores: points, binding, keys, the modifier."""
+"""The scatter object and its stored data: points, binding, keyframes, the modifier."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The objects that hold the keys of a bake: found, read and checked."""
+"""Finding, reading and checking the objects that store the keyframes of a bake."""
 
 from collections.abc import Container
 
@@ -24,11 +24,11 @@ from ..base.all_or_nothing import once_done
 from ..base.mesh_arrays import read_columns, write_columns, write_points
 from .modifier import scatter_modifier
 
-STORES = ("Keys", "Triangles", "Frames")  # inputs of the node group that hold a bake
+STORES = ("Keys", "Triangles", "Frames")  # inputs of the node group for a bake
 
 
 def stored_object(obj: bpy.types.Object, name: str) -> bpy.types.Object:
-    """The object that holds a baked scatter's Keys, Triangles or Frames; ScatterError if none."""
+    """The object with a baked scatter's Keys, Triangles or Frames; ScatterError if none."""
     modifier = scatter_modifier(obj)
     found = get_input(modifier, name) if modifier and has_input(modifier, name) else None
     if found is None:
@@ -40,12 +40,12 @@ def stored_object(obj: bpy.types.Object, name: str) -> bpy.types.Object:
             "bake again"
         )
     if found.data == obj.data:  # seen once in Blender 5.2, after an undo
-        raise ScatterError(f"{name} of '{obj.name}' are its own points: bake again")
+        raise ScatterError(f"{name} of '{obj.name}' is the mesh of its own points: bake again")
     return found
 
 
 def stores_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
-    """The objects that hold a bake, as far as they are there."""
+    """The existing objects that store a bake."""
     modifier = scatter_modifier(obj)
     if modifier is None:
         return []
@@ -60,13 +60,13 @@ def new_store(
     types: dict[str, str],
     places: Floats | None = None,
 ) -> bpy.types.Object:
-    """Object outside every scene, whose points store columns."""
+    """A new object outside all scenes whose points store columns."""
     label = f"{obj.name} {name}"
     store = bpy.data.objects.new(label, bpy.data.meshes.new(label))
     count = len(columns[next(iter(types))])
     write_points(store.data, np.zeros((count, 3)) if places is None else places)
     write_columns(store.data, columns, types)
-    once_done(lambda: _name(store, label))  # those of the last bake have it until then
+    once_done(lambda: _name(store, label))  # the objects of the last bake have the name until then
     return store
 
 
@@ -77,7 +77,7 @@ def _name(store: bpy.types.Object, label: str) -> None:
 
 
 def read_baked(obj: bpy.types.Object) -> Baked:
-    """The keys of a baked scatter."""
+    """The keyframes of a baked scatter."""
     keys, triangles, frames = (stored_object(obj, name).data for name in STORES)
     return Baked(
         read_columns(keys, {**KEY_ATTRIBUTES, "position": "FLOAT_VECTOR"}),
@@ -87,7 +87,7 @@ def read_baked(obj: bpy.types.Object) -> Baked:
 
 
 def key_types(there: Container[str]) -> dict[str, str]:
-    """Columns of keys, as far as a bake has them: not every one has births, leaning and rooms."""
+    """Columns of keyframes that a bake has: births, leaning and clearances are optional."""
     types = dict(KEY_ATTRIBUTES)
     for own in (FADE_ATTRIBUTES, TILT_ATTRIBUTES, CLEARANCE_ATTRIBUTES):
         types |= {name: kind for name, kind in own.items() if name in there}
@@ -95,13 +95,13 @@ def key_types(there: Container[str]) -> dict[str, str]:
 
 
 def triangle_types(there: Container[str]) -> dict[str, str]:
-    """Columns of triangles, as far as a bake has them: a rest shape is not in every one."""
+    """Columns of triangles that a bake has: those of a rest shape are optional."""
     types = {**TRIANGLE_ATTRIBUTES, **REST_TRIANGLE_ATTRIBUTES}
     return {name: kind for name, kind in types.items() if name in there}
 
 
 def key_tables(obj: bpy.types.Object) -> tuple[Ints, Columns, Columns, int]:
-    """Of a bake: the triangle of each row, the triangles, the frames; and the points of a key."""
+    """The triangle of each row of a bake, the triangles, the frames, the points per keyframe."""
     keys, triangles, frames = (stored_object(obj, name).data for name in STORES)
     return (
         read_columns(keys, KEY_ATTRIBUTES)["dapple_face"],
@@ -112,17 +112,17 @@ def key_tables(obj: bpy.types.Object) -> tuple[Ints, Columns, Columns, int]:
 
 
 def check_keys(obj: bpy.types.Object) -> None:
-    """ScatterError if a bake points to what is not there."""
+    """ScatterError if a bake has an invalid index."""
     wrong = wrong_index(*key_tables(obj))
     if wrong:
         raise ScatterError(f"Scatter '{obj.name}': the keyframes are damaged ({wrong}): bake again")
 
 
 def key_points(obj: bpy.types.Object) -> int:
-    """Points of each key; ScatterError where that is no number."""
+    """Points per keyframe; ScatterError if the stored value is invalid."""
     modifier = scatter_modifier(obj)
-    there = modifier is not None and has_input(modifier, "Key Points")
-    found = get_input(modifier, "Key Points") if there else None
+    is_stored = modifier is not None and has_input(modifier, "Key Points")
+    found = get_input(modifier, "Key Points") if is_stored else None
     if not isinstance(found, int) or found < 0:
         raise ScatterError(
             f"Scatter '{obj.name}' does not know the number of its points: bake again"

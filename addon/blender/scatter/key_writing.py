@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writing the keys of a bake into the file, and taking them out again."""
+"""Writing the keyframes of a bake into the file, and removing them."""
 
 import bmesh
 import bpy
@@ -35,9 +35,9 @@ def write_baked(
     born: Born | None = None,
     begun: Sources | None = None,
 ) -> None:
-    """Store baked keys, the first frame of the bake being start, and the points they add.
+    """Store baked keyframes and the points that they add.
 
-    Begun is what the first frame was solved from.
+    `start` is the first frame of the bake, `begun` are the inputs of its solution.
     """
     clear_keys(obj)
     if born is not None:
@@ -65,9 +65,9 @@ def write_baked(
 
 
 def clear_keys(obj: bpy.types.Object) -> None:
-    """Forget baked keys and the points they added.
+    """Remove baked keyframes and the points that they added.
 
-    The others stick to the surface where they were optimized, with the figures that they had.
+    The other points stay where they were optimized, with their figures.
     """
     drop_added(obj)
     if obj.dapple.baked_keys:
@@ -87,7 +87,7 @@ def clear_keys(obj: bpy.types.Object) -> None:
 
 
 def _remove(stores: list[bpy.types.Object]) -> None:
-    """Take what held keys out of the file, unless something else has it."""
+    """Remove objects of a bake from the file, unless something else uses them."""
     for store in stores:
         if store.users == 0 and store.library is None:
             data = store.data
@@ -102,7 +102,7 @@ def _write_solved_report(obj: bpy.types.Object) -> None:
 
 
 def add_points(obj: bpy.types.Object, born: Born) -> None:
-    """Add the points that are born in a bake behind those that were optimized."""
+    """Append the points that a bake adds to the optimized ones."""
     mesh, count = own_mesh(obj), len(obj.data.vertices)
     added = {name: kind for name, kind in ADDED_ATTRIBUTES.items() if name in mesh.attributes}
     types = {**ROW_ATTRIBUTES, **POINT_ATTRIBUTES, **added}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Datablocks of other files and shared ones: what may be written, and to which mesh."""
+"""Linked and shared data-blocks: which can be written, and which mesh to write to."""
 
 import bpy
 
@@ -7,7 +7,7 @@ from ..base.translation import Translate, translated
 
 
 def read_only(obj: bpy.types.Object, translate: Translate = translated) -> str:
-    """Why nothing that is written to an object would be kept; empty when it is."""
+    """Why changes of an object would not be saved; empty if they would."""
     if obj.library is not None:
         return translate(
             "'{name}' is linked from '{file}': make it local, make a library override, or "
@@ -24,15 +24,15 @@ def read_only(obj: bpy.types.Object, translate: Translate = translated) -> str:
 
 
 def is_in_view_layer(obj: bpy.types.Object) -> bool:
-    """Whether the view layer that is shown has an object; files may have others of its name."""
+    """Whether an object is in the current view layer; a linked one may have the same name."""
     shown = bpy.context.view_layer.objects
     found = shown.get(obj.name)
     return found == obj or (found is not None and obj in list(shown))
 
 
 def own_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
-    """The mesh to write an object's points to: one that neither a linked duplicate nor the file
-    that an override comes from has too, copied if need be.
+    """The mesh to write an object's points to. A mesh that is shared with a linked duplicate or
+    comes from another file is copied first.
     """
     mesh = obj.data
     if mesh.library is not None or mesh.users - mesh.use_fake_user > 1:

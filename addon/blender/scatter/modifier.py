@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The modifier that plays a scatter back: its node group, and the inputs of that."""
+"""The modifier that plays a scatter back: its node group and its inputs."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -37,11 +37,11 @@ def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
 
 
 def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
-    """The modifier with the group of this version; keys of an older one were cleared."""
+    """The modifier with the current node group."""
     modifier = scatter_modifier(obj)
     if modifier is None:
         modifier = obj.modifiers.new(GROUP_NAME, "NODES")
-    # One that is linked may stay: an override keeps only what it changes in the linked modifier.
+    # A linked group that is current stays: overrides save changes of a linked modifier only.
     if not is_current(modifier.node_group, len(obj.dapple.object_types), _is_detailed(obj)):
         _exchange_group(obj, modifier)
         write_instance_inputs(obj)
@@ -49,7 +49,7 @@ def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
 
 
 def _exchange_group(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> None:
-    """Give a modifier the group that the scatter needs now; what both groups know stays."""
+    """Give a modifier the group that the scatter needs now; common inputs keep their values."""
     before = _inputs(modifier)
     modifier.node_group = ensure_group(len(obj.dapple.object_types), _is_detailed(obj))
     for name, value in before.items():
@@ -59,12 +59,12 @@ def _exchange_group(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) ->
 
 
 def _is_detailed(obj: bpy.types.Object) -> bool:
-    """Whether fewer points are shown at a distance somewhere."""
+    """Whether fewer points are shown at a distance, in the viewport or in renders."""
     return any(getattr(obj.dapple, setting.name) for setting in WHERE)
 
 
 def _inputs(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
-    """Inputs that a group for another number of classes has too; none where there is no group."""
+    """Inputs that do not depend on the number of object types; none if there is no group."""
     if modifier.node_group is None:
         return {}
     names = [name for name, kind in INPUTS if kind != "NodeSocketGeometry"]
@@ -72,13 +72,13 @@ def _inputs(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
 
 
 def write_inputs(obj: bpy.types.Object) -> None:
-    """Give the node group all that it takes from the scatter's properties."""
+    """Set all inputs of the node group from the scatter's properties."""
     write_surface_inputs(obj, ensure_modifier(obj))
     write_instance_inputs(obj)
 
 
 def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> None:
-    """Give the node group what the points are bound to."""
+    """Set the inputs of the node group that describe the binding."""
     set_input(modifier, "Surface", obj.dapple.surface)
     set_input(modifier, "Surface Vertices", obj.dapple.surface_vertices)
     set_input(modifier, "Rest Binding", obj.dapple.attached_to == "REST")
@@ -88,9 +88,10 @@ def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifie
 
 
 def _rest_vertices(obj: bpy.types.Object) -> int:
-    """Vertices of the surface on which faces are played, which is faster, and the same; 0: none.
+    """Number of vertices of a surface on which points are played by faces, which is faster and
+    gives the same result; 0: never.
 
-    Where the artist chose the rest position, modifiers may make other faces of as many vertices.
+    If the artist chose the rest position, modifiers may make other faces with as many vertices.
     """
     surface, topologies = obj.dapple.surface, obj.dapple.surface_topology.split()
     by_itself = obj.dapple.attach_to == "AUTO" and surface is not None and not is_fluid(surface)
@@ -98,7 +99,7 @@ def _rest_vertices(obj: bpy.types.Object) -> int:
 
 
 def write_instance_inputs(obj: bpy.types.Object) -> None:
-    """Give the node group what to instance and how."""
+    """Set the inputs of the node group that describe the instances."""
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
@@ -113,12 +114,12 @@ def write_instance_inputs(obj: bpy.types.Object) -> None:
 
 
 def _kinds(obj: bpy.types.Object) -> list[tuple[int | None, bpy.types.PropertyGroup]]:
-    """What is placed, by the object types that there are."""
+    """The object types with their indices; without object types the scatter's own settings."""
     return list(enumerate(obj.dapple.object_types)) or [(None, obj.dapple)]
 
 
 def _lacks_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> bool:
-    """Whether another group is needed to show what is asked for."""
+    """Whether the group lacks an input that the settings need."""
     detailed = _is_detailed(obj)
     other = detailed != has_input(modifier, DETAIL_INPUTS[0][0])
     other = other or (obj.dapple.display_as != "INSTANCES" and not has_input(modifier, "Display"))
@@ -128,7 +129,7 @@ def _lacks_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> b
 def _lacks_own(
     modifier: bpy.types.NodesModifier, kind: bpy.types.PropertyGroup, index: int | None
 ) -> bool:
-    """Whether a setting is not as when it was not there yet, and the group does not know it."""
+    """Whether the group lacks an input of an object type that differs from its default."""
     if weights_text(kind) and not has_input(modifier, input_name(_WEIGHTS, index)):
         return True
     numbers = [name for name, socket in INSTANCE_INPUTS if socket == "NodeSocketFloat"]
@@ -140,7 +141,7 @@ def _lacks_own(
 
 
 def property_name(label: str) -> str:
-    """The property that one of INSTANCE_INPUTS takes."""
+    """The property of one of INSTANCE_INPUTS."""
     return label.lower().replace(" ", "_")
 
 
@@ -153,16 +154,16 @@ class LinkedInput:
     property: str
 
     def value(self) -> Any:
-        """What the input has to be."""
+        """The value of the property, as the input takes it."""
         return _to_input(self.property, getattr(self.owner, self.property))
 
     def take_over(self, value: Any) -> None:
-        """Have the property be what the input is."""
+        """Set the property to a value of the input."""
         setattr(self.owner, self.property, _from_input(self.property, value))
 
 
 def linked_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> list[LinkedInput]:
-    """All that the node group has."""
+    """The inputs of the node group that are linked to properties."""
     found = [
         LinkedInput("Hidden", obj.dapple, "viewport_share"),
         LinkedInput("Display", obj.dapple, "display_as"),
@@ -189,7 +190,7 @@ def _from_input(name: str, value: Any) -> Any:
 
 
 def write_warning(obj: bpy.types.Object) -> None:
-    """Have the modifier warn when the settings are not those of the result."""
+    """Set the warning of the modifier, which it shows if settings have changed since the result."""
     modifier = scatter_modifier(obj)
     if modifier is not None and has_input(modifier, "Warning"):
         set_input(modifier, "Warning", settings_reason(obj, english))

@@ -30,7 +30,7 @@ def _updated(evaluation: Evaluation) -> None:
 
 
 def _take_over(obj: bpy.types.Object) -> None:
-    """Give the panel the inputs that were edited."""
+    """Copy edited inputs to the panel."""
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
@@ -47,7 +47,7 @@ def _take_over(obj: bpy.types.Object) -> None:
 
 
 def _remembered(value: Any) -> Any:
-    """A value that outlives an undo: of a data-block its number."""
+    """A value that stays valid after an undo: the session_uid of a data-block."""
     return ("", value.session_uid) if isinstance(value, bpy.types.ID) else value
 
 

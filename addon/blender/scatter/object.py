@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scatter object: its properties as settings of the core, and its report."""
+"""Scatter objects: their properties as settings of the core, and their reports."""
 
 from dataclasses import fields
 
@@ -36,22 +36,22 @@ def is_scatter(obj: bpy.types.Object | None) -> bool:
 
 
 def is_unsolved(obj: bpy.types.Object) -> bool:
-    """Whether it is a scatter that has never had points, as one that comes from an asset."""
+    """Whether it is a scatter that never had points, such as one from an asset."""
     return is_scatter(obj) and not (obj.dapple.solved_settings or len(obj.data.vertices))
 
 
 def is_surface(obj: bpy.types.Object | None) -> bool:
-    """Whether Blender may evaluate the object to faces that points can be bound to."""
+    """Whether points can be bound to an object of this type."""
     return obj is not None and obj.type in _SURFACE_TYPES and not is_scatter(obj)
 
 
 def is_fluid(obj: bpy.types.Object) -> bool:
-    """Whether a surface has other faces whenever it moves, and in the render."""
+    """Whether the faces of a surface change whenever it moves, and in renders."""
     return obj.type == "META"
 
 
 def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
-    """The surface of a scatter object; ScatterError if none is chosen, or no surface."""
+    """The surface of a scatter; ScatterError if none is chosen, or the object cannot be one."""
     surface = obj.dapple.surface
     if surface is None:
         raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
@@ -73,13 +73,13 @@ def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
 
 
 def is_automatic(obj: bpy.types.Object) -> bool:
-    """Whether a scatter follows changes by itself: as the artist says, or as it is quick."""
+    """Whether Auto Update is on for a scatter, or automatic and the scatter is quickly solved."""
     chosen = obj.dapple.auto_update_mode
     return bool(chosen == "ON" or (chosen != "OFF" and obj.dapple.report.milliseconds < _QUICK))
 
 
 def settings_reason(obj: bpy.types.Object, translate: Translate = translated) -> str:
-    """Which settings are not those that the result was solved with; empty when all are."""
+    """Message that settings have changed since the result was solved; empty if none has."""
     if not obj.dapple.solved_settings:
         return ""
     names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
@@ -91,14 +91,14 @@ def settings_reason(obj: bpy.types.Object, translate: Translate = translated) ->
 
 
 def settings_changed(names: list[str], translate: Translate = translated) -> str:
-    """That settings of these names were changed, as the panel calls them."""
+    """Message that settings of these names were changed, with their labels."""
     known = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
     listed = ", ".join(label_of(known[_PROPERTIES.get(name, name)], translate) for name in names)
     return translate("Settings were changed ({names})", names=listed)
 
 
 def rest_note(obj: bpy.types.Object, translate: Translate = translated) -> str:
-    """That points hold on to the rest position by themselves, and why; empty where not."""
+    """Message why points are automatically attached to the rest position; empty if they are not."""
     surface, chosen = obj.dapple.surface, obj.dapple.attach_to
     if surface is None or chosen != "AUTO" or obj.dapple.attached_to != "REST":
         return ""
@@ -110,14 +110,14 @@ def rest_note(obj: bpy.types.Object, translate: Translate = translated) -> str:
 
 
 def solve_again(obj: bpy.types.Object, reason: str, translate: Translate = translated) -> str:
-    """A reason why a result does not fit, and what makes one that does."""
+    """A reason why a result does not fit, with advice."""
     if obj.dapple.baked_keys:
         return translate("{reason}: bake again", reason=reason)
     return translate("{reason}: optimize again", reason=reason)
 
 
 def settings_of(obj: bpy.types.Object) -> Settings:
-    """The options that the native package takes."""
+    """The settings of a scatter that the core uses."""
     names = {field.name for field in fields(Settings)} - {"per_area", "object_types", "density"}
     values = {name: getattr(obj.dapple, name) for name in names}
     return Settings(
@@ -129,7 +129,7 @@ def settings_of(obj: bpy.types.Object) -> Settings:
 
 
 def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
-    """What a bake takes beside them."""
+    """The additional settings of a bake."""
     names = [field.name for field in fields(BakeSettings)]
     values = {name: getattr(obj.dapple, _PROPERTIES[name]) for name in names}
     if obj.dapple.population != "KEEP_DENSITY":
@@ -138,7 +138,7 @@ def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
 
 
 def follows_masks(obj: bpy.types.Object) -> bool:
-    """Whether a bake takes the density of each frame: where frames are solved one by one."""
+    """Whether a bake uses the density of each frame, which needs frames solved one by one."""
     settings = obj.dapple
     if settings.population == "KEEP_DENSITY":
         one_by_one = not len(settings.object_types)
@@ -148,7 +148,7 @@ def follows_masks(obj: bpy.types.Object) -> bool:
 
 
 def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
-    """Data-blocks by their full names: two files may have one of the same name."""
+    """Data-blocks are given by their full names, as two files may use the same short name."""
     values = {field.name: getattr(density, field.name) for field in fields(DensitySettings)}
     for name, kind in _DATA_BLOCKS.items():
         if kind is Kind.MATERIALS:
@@ -159,12 +159,12 @@ def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
 
 
 def material_name(chosen: bpy.types.PropertyGroup) -> str:
-    """Full name of a material that was chosen; of one that was deleted, the name that it had."""
+    """Full name of a chosen material; the last known name if it was deleted."""
     return str(chosen.material.name_full if chosen.material else chosen.name)
 
 
 def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
-    """How the tiles of a scatter are cut."""
+    """The settings of a scatter's tiles."""
     names = [field.name for field in fields(TileSettings)]
     return TileSettings(**{name: getattr(obj.dapple.tiles, name) for name in names})
 
@@ -178,26 +178,26 @@ def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:
 
 
 def _max_clearance(kind: bpy.types.PropertyGroup) -> float:
-    """That instances are fitted to before they are scaled; the radius of bounds is scaled."""
+    """Largest clearance that instances use, before they are scaled; a radius of bounds is after."""
     scale = scale_of(kind) if kind.radius_from_bounds else 1.0
     return float(kind.radius / scale) if scale > 0.0 else 0.0
 
 
 def scale_of(kind: bpy.types.PropertyGroup) -> float:
-    """The largest scale that instances of an object type may have across."""
+    """The largest horizontal scale of instances of an object type."""
     across = max(abs(kind.scale_x), abs(kind.scale_y))
     return largest_scale(kind.scale * across, kind.random_scale_up, kind.density_scale)
 
 
 def write_report(obj: bpy.types.Object, report: Report) -> None:
-    """Show these figures; before points are measured, those of the points before stay."""
+    """Show these figures; until points are measured, other figures of the previous points stay."""
     names = [field.name for field in fields(Report)] if report.measured else _COUNTED
     for name in names:
         setattr(obj.dapple.report, name, getattr(report, name))
 
 
 def copy_report(source: bpy.types.PropertyGroup, target: bpy.types.PropertyGroup) -> None:
-    """Figures of one result, kept or shown again."""
+    """Copy the figures of a result."""
     for prop in source.bl_rna.properties:
         if not prop.is_readonly and prop.identifier != "name":
             setattr(target, prop.identifier, getattr(source, prop.identifier))

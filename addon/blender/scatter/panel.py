@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels of a scatter have in common."""
+"""Base classes of panels, and icons in their headers."""
 
 import bpy
 
@@ -8,7 +8,7 @@ from .object import is_scatter
 
 
 class Panel:
-    """A panel in the tab of the add-on."""
+    """A panel in the add-on's tab."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -16,7 +16,7 @@ class Panel:
 
 
 class ScatterPanel(Panel):
-    """A part of the main panel that there is for scatters only."""
+    """A panel inside the main panel, for scatters only."""
 
     bl_parent_id = "DAPPLE_PT_main"
 
@@ -26,6 +26,6 @@ class ScatterPanel(Panel):
 
 
 def draw_in_header(layout: bpy.types.UILayout, operator: str, icon: str) -> None:
-    """What is done most often in a panel, at hand while that is closed."""
+    """Draw the most frequent operator of a panel in its header, for use while it is closed."""
     layout.operator(operator, text="", icon=icon, emboss=False)
     layout.separator()

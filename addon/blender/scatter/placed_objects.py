@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is placed: how often each object of a collection, how far it reaches."""
+"""Instanced objects: weights of the members of a collection, radii of instances."""
 
 import math
 from collections.abc import Iterator
@@ -13,21 +13,21 @@ from ...core.surface.arrays import Floats
 from ..base.mesh_arrays import read_points
 from .object import scale_of
 
-_SAME = 1e-5  # relative change of a radius that is none
+_SAME = 1e-5  # relative change of a radius that is ignored
 
 
 def weights_text(kind: bpy.types.PropertyGroup) -> str:
-    """What the node group is told of an object type's weights; empty: all are picked alike."""
+    """The weights of an object type as text for the node group; empty if all are equal."""
     if not kind.use_weights or kind.collection is None:
         return ""
     return packed([one.weight for one in kind.weights])
 
 
 def follow_members(kind: bpy.types.PropertyGroup) -> bool:
-    """Have an entry for each member of the collection, which keeps its weight; whether that was
-    another one before.
+    """Update the list of weights to the members of the collection, which keep their weights;
+    returns whether the list has changed.
 
-    A library override has those of its library.
+    A library override keeps the list of its library.
     """
     if not kind.use_weights or kind.id_data.override_library is not None:
         return False
@@ -44,19 +44,19 @@ def follow_members(kind: bpy.types.PropertyGroup) -> bool:
 
 
 def is_listed(kind: bpy.types.PropertyGroup) -> bool:
-    """Whether the entries are those of the collection."""
+    """Whether the list of weights matches the members of the collection."""
     return [_member(one) for one in kind.weights] == members(kind.collection)
 
 
 def members(collection: bpy.types.Collection | None) -> list[Any]:
-    """Objects and collections in a collection, in the order in which nodes have them."""
+    """Objects and collections in a collection, in the order that nodes use."""
     if collection is None:
         return []
     return sorted([*collection.children, *collection.objects], key=lambda one: sort_key(one.name))
 
 
 def is_picked(kind: bpy.types.PropertyGroup, member: bpy.types.ID) -> bool:
-    """Whether a member of the collection is ever placed."""
+    """Whether a member of the collection has a positive weight."""
     weights = {_member(one): one.weight for one in kind.weights} if kind.use_weights else {}
     return weights.get(member, 1.0) > 0.0
 
@@ -66,7 +66,7 @@ def _member(entry: bpy.types.PropertyGroup) -> bpy.types.ID | None:
 
 
 def follow_bounds(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) -> None:
-    """Give an object type the radius of its instances, if it follows them."""
+    """Set the radius of an object type to that of its instances, if it follows their bounds."""
     if not kind.radius_from_bounds:
         return
     radius = _footprint(kind, depsgraph) * scale_of(kind)
@@ -75,7 +75,7 @@ def follow_bounds(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph)
 
 
 def _footprint(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) -> float:
-    """Radius of the circle around the Z axis that no instance ever leaves."""
+    """Radius of the circle around the Z axis that contains all instances."""
     reaches = [
         float(np.hypot(places[:, 0], places[:, 1]).max(initial=0.0))
         for places in _places(kind, depsgraph)
@@ -84,7 +84,7 @@ def _footprint(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) ->
 
 
 def _places(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) -> Iterator[Floats]:
-    """Vertices (n, 3) of each object that is placed, as it is placed: objects without their own
+    """Vertices (n, 3) of each instanced object as nodes place it: objects without their own
     transform, a collection inside another one as a whole.
     """
     chosen = kind.collection
@@ -101,7 +101,7 @@ def _places(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) -> It
 
 
 def _vertices(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
-    """Of an object after its modifiers; of one without a mesh the corners of its bounds."""
+    """Vertices of an object after its modifiers; without a mesh the corners of its bounds."""
     evaluated = obj.evaluated_get(depsgraph)
     if evaluated.type == "MESH":
         return read_points(evaluated.data)

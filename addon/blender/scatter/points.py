@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The stored points of a scatter as they are read; marks of those placed by hand."""
+"""Reading the stored points of a scatter; places that were edited by hand."""
 
 import bpy
 import numpy as np
@@ -30,19 +30,19 @@ from ...core.surface.sources import digest_of
 from ..base.mesh_arrays import read_columns, read_points, to_world
 from .linked_data import own_mesh
 
-# What check_binding looks at, which knows points that were added by hand, and the surface.
+# Checked by check_binding instead, which knows the surface and points that were added by hand.
 _BOUND = {*TRIANGLE_ATTRIBUTES, "dapple_barycentric"}
 
 
 def own_points(obj: bpy.types.Object) -> NDArray[np.bool_]:
-    """Per point whether it was optimized, not added by a bake with births."""
+    """Whether each point was optimized; False for points that a bake added."""
     if "dapple_faded" not in obj.data.attributes:
         return np.ones(len(obj.data.vertices), dtype=bool)
     return read_columns(obj.data, FADE_ATTRIBUTES)["dapple_faded"] < 0.5
 
 
 def own_columns(obj: bpy.types.Object, types: dict[str, str]) -> Columns:
-    """Columns of the points without those that a bake has added."""
+    """Columns of the points, without points that a bake added."""
     own = own_points(obj)
     found = {name: values[own] for name, values in read_columns(obj.data, types).items()}
     check_columns({name: one for name, one in found.items() if name not in _BOUND}, obj.name)
@@ -55,7 +55,7 @@ def point_columns_of(obj: bpy.types.Object) -> Columns:
 
 
 def columns_with_own_ids(obj: bpy.types.Object) -> Columns:
-    """Point columns without added points; those that an artist added or copied have new ids."""
+    """Point columns without points of a bake; points added or copied by hand get new ids."""
     ranked = "dapple_rank" in obj.data.attributes
     types = {**POINT_ATTRIBUTES, "dapple_rank": "FLOAT"} if ranked else POINT_ATTRIBUTES
     columns = own_columns(obj, types)
@@ -70,7 +70,7 @@ def points_digest(obj: bpy.types.Object) -> str:
 
 
 def write_digest(obj: bpy.types.Object) -> None:
-    """Store it with the settings and with the points: an undo may bring back one of them alone."""
+    """Store the digest with the settings and with the points, as an undo may restore only one."""
     obj.dapple.solved_points = obj.data[RESULT_KEY] = points_digest(obj)
 
 
@@ -82,7 +82,7 @@ def places_of(obj: bpy.types.Object) -> Floats:
 
 
 def locked_points(obj: bpy.types.Object) -> Locked | None:
-    """Points that stay where they are, as they lie in the file; None if there are none."""
+    """The locked points as they are stored; None if there are none."""
     if "dapple_locked" not in obj.data.attributes:
         return None
     kept = read_columns(obj.data, {"dapple_locked": "BOOLEAN"})["dapple_locked"] & own_points(obj)
@@ -105,18 +105,18 @@ def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Col
 
 
 def read_at_rest(obj: bpy.types.Object) -> AtRest:
-    """Where the points are on the rest shape."""
+    """The places of the points on the rest shape."""
     return AtRest(own_columns(obj, REST_ATTRIBUTES), obj.dapple.attached_parts)
 
 
 def edited_places(obj: bpy.types.Object) -> Floats | None:
-    """Places (k, 3) in the surface's own space; None where all points are even."""
+    """Places (k, 3) of edits by hand, in the surface's own space; None if there are none."""
     stored = obj.data.get(EDITED_KEY)
     return None if stored is None else np.array(stored, dtype=np.float64).reshape(-1, 3)
 
 
 def add_edited(obj: bpy.types.Object, places: Floats) -> None:
-    """Keep more of them."""
+    """Add places of edits by hand."""
     before = edited_places(obj)
     joined = places if before is None else np.concatenate([before, places])
     if len(joined):
@@ -124,6 +124,6 @@ def add_edited(obj: bpy.types.Object, places: Floats) -> None:
 
 
 def forget_edited(obj: bpy.types.Object) -> None:
-    """The points are even around all of them."""
+    """Delete the places of edits by hand, once the points around them are even."""
     if EDITED_KEY in obj.data:
         del own_mesh(obj)[EDITED_KEY]

@@ -29,7 +29,7 @@ from .points import forget_edited, write_digest
 def new_scatter(
     surface: bpy.types.Object, collection: bpy.types.Collection, named: str = ""
 ) -> bpy.types.Object:
-    """Empty scatter object on a surface, named after it or after what that is of."""
+    """A new scatter object without points, named after its surface or as given."""
     name = f"{named or surface.name} Scatter"
     obj = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     obj.data[SCHEMA_KEY] = SCHEMA
@@ -42,7 +42,7 @@ def new_scatter(
 def write_scattered(
     obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scattered, rest: AtRest | None = None
 ) -> None:
-    """Store a result: points, bindings, figures. Keys of an older result go."""
+    """Store a result: points, bindings, figures. Keyframes of an older result are deleted."""
     places = to_local(obj, solved.positions)
     clear_keys(obj)
     mesh = own_mesh(obj)
@@ -59,7 +59,7 @@ def write_scattered(
 
 
 def write_figures(obj: bpy.types.Object, solved: Scattered) -> None:
-    """Store what is known of a result."""
+    """Store the figures of a result."""
     write_report(obj, solved.report)
     obj.dapple.report.details = solved.details.text()
 
@@ -67,7 +67,7 @@ def write_figures(obj: bpy.types.Object, solved: Scattered) -> None:
 def write_binding(
     obj: bpy.types.Object, arrays: SurfaceArrays, binding: Binding, rest: AtRest | None = None
 ) -> None:
-    """Store where the points sit on a surface, or on its rest shape. Keys of an older one go."""
+    """Store the binding of the points to a surface or its rest shape. Keyframes are deleted."""
     clear_keys(obj)
     write_columns(own_mesh(obj), binding.rows(), ROW_ATTRIBUTES)
     if rest is not None:
@@ -82,7 +82,7 @@ def write_binding(
 
 
 def write_own_ids(obj: bpy.types.Object, columns: Columns) -> None:
-    """Store what columns_with_own_ids returned; keys were cleared."""
+    """Store the result of columns_with_own_ids; keyframes were deleted before."""
     types = {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES}
     write_columns(own_mesh(obj), columns, {name: types[name] for name in columns})
     obj.dapple.report.count = len(columns["id"])

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Auto Update: scatters are solved again once what they are solved from has rested for a moment,
-and at once when a stroke, a move or another operator has ended. Optimize is one of these updates,
-from the seed, that is asked for.
+"""Auto Update: scatters are solved again a moment after the last change of their inputs, and at
+once when a stroke, a move or another operator has ended. Optimize requests such an update, which
+then starts from the seed.
 
-Handlers and property updates only note what changed. A timer reads what is there part by part, a
-worker solves, and the timer writes; until then the old points stay. A change meanwhile discards
-that work and begins the pause anew. No undo step is made: an undo of the artist's change brings
-back settings or points that do not fit, which is a change as any other. What was asked for is an
-undo step, made once the points are there.
+Handlers and property updates only note changes. A timer reads the inputs in parts, a worker solves,
+and the timer writes; until then the old points stay. A change during this work discards it and
+starts the pause again. An automatic update makes no undo step: an undo of the artist's change
+restores settings or points that do not fit, which is a change like any other. A requested update
+makes an undo step when its points have been written.
 
-In background mode nothing follows by itself, unless a test says so and drives the timer by hand.
+In background mode there are no automatic updates, except in tests that call the timer themselves.
 """
 
 import time
@@ -35,8 +35,8 @@ from .changes import NOBODY, Cause, Changes, follows, scatters
 from .optimize import optimize_steps
 
 _POLL = 0.005  # seconds between two checks of a worker
-_PART = 0.01  # seconds that one call may take, during which the artist waits
-_BLOCKED_PAUSE = 0.1  # seconds between two checks whether the file is free again
+_PART = 0.01  # seconds that one call may block the interface
+_BLOCKED_PAUSE = 0.1  # seconds between two checks while the file must not be written
 _TOOL = 0.02  # the same while the artist uses a tool and waits for the result
 
 enabled = not bpy.app.background
@@ -92,14 +92,14 @@ class _Update:
         _state.failures[self.scatter.uid] = why
 
     def _stopped(self, _why: str) -> None:
-        """A render or an operator has stopped it: it is scheduled again."""
+        """A render or an operator has stopped the update: schedule it again."""
         _state.update = None
         _state.schedule.change(self.scatter.uid)
 
 
 @dataclass
 class _State:
-    """What the timer and the handlers share; file data is always looked up anew."""
+    """State that the timer and the handlers share; file data is always looked up again."""
 
     schedule: Schedule = field(default_factory=Schedule)
     changes: Changes = field(default_factory=Changes)
@@ -107,9 +107,8 @@ class _State:
     caused: dict[int, Cause] = field(default_factory=dict)  # why each scheduled scatter is updated
     # Reasons why scatters could not be solved.
     failures: dict[int, str] = field(default_factory=dict)
-    requested: dict[int, _Request] = field(
-        default_factory=dict
-    )  # requested solutions from the seed
+    # Requested solutions from the seed.
+    requested: dict[int, _Request] = field(default_factory=dict)
 
 
 _state = _State()
@@ -129,7 +128,7 @@ def trouble(obj: bpy.types.Object) -> str:
 
 
 def touch(obj: bpy.types.Object) -> None:
-    """A setting of a scatter has changed, perhaps what the scatter depends on."""
+    """Note that a setting of a scatter has changed, and perhaps its dependencies."""
     if enabled and not is_quiet():
         _state.changes.relink()
         _change(obj.session_uid)
@@ -137,9 +136,9 @@ def touch(obj: bpy.types.Object) -> None:
 
 
 def request(obj: bpy.types.Object, step: str = "Optimize") -> None:
-    """Solve a scatter from its seed, as Optimize does, in place of what is done for it now.
+    """Solve a scatter from its seed, as Optimize does; a running update of it is discarded.
 
-    It is an undo step of that name. Its keys may go only if it has some by now.
+    `step` is the name of the undo step. Keyframes are deleted only if the scatter has some now.
     """
     forget(obj)
     _change(obj.session_uid)
@@ -156,7 +155,7 @@ def is_requested(obj: bpy.types.Object) -> bool:
 
 
 def forget(obj: bpy.types.Object) -> None:
-    """Discard a pending or running update of a scatter, which was solved in another way."""
+    """Discard a pending or running update of a scatter that was solved in another way."""
     _state.requested.pop(obj.session_uid, None)
     _state.schedule.forget(obj.session_uid)
     if _state.update is not None and _state.update.scatter.uid == obj.session_uid:
@@ -225,10 +224,10 @@ def _schedule_changed() -> None:
     writes = _state.update.writes() if _state.update is not None else {}
     for uid, cause in _state.changes.changed_scatters(writes):
         _change(uid, cause)
-    there = _state.changes.known_scatters()
-    for uid in _state.requested.keys() - there:  # an undo may have removed them
+    existing = _state.changes.known_scatters()
+    for uid in _state.requested.keys() - existing:  # an undo may have removed them
         del _state.requested[uid]
-    if _state.update is not None and _state.update.scatter.uid not in there:
+    if _state.update is not None and _state.update.scatter.uid not in existing:
         _give_up()
 
 
@@ -318,7 +317,7 @@ def reset(clock: Callable[[], float] = time.monotonic) -> None:
 
 
 def _pause() -> None:
-    """Leave the file to an operator; while the animation plays the worker may go on."""
+    """Cancel the update if an operator needs the file; the worker may run during playback."""
     if _state.update is not None and is_under_way():
         _state.update.job.cancel()
 
@@ -339,7 +338,7 @@ def restart_preview(obj: bpy.types.Object) -> None:
 
 
 def is_blocked() -> bool:
-    """Whether Blender renders, plays, paints a stroke, or an operator of the add-on works."""
+    """Whether Blender renders, plays or paints a stroke, or an operator of the add-on works."""
     return (
         renders.busy()
         or step_operators.is_under_way()

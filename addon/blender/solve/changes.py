@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was changed in the file, and which scatters are solved from that.
+"""Changes in the file, and the scatters that depend on them.
 
-Handlers only note it; what a scatter depends on is looked up when it is asked for. A scatter that
-was updated because of another does not have that updated in turn: two that avoid each other would
-never rest. So what an update writes has a cause, the scatters because of which it was.
+Handlers only note changes; the dependencies of a scatter are looked up on demand. If a scatter was
+updated because of another one, that does not update the other one in turn: two scatters that avoid
+each other would be updated forever. So the data written by an update has a cause: the scatters that
+led to the update.
 """
 
 import time
@@ -36,10 +37,10 @@ IMAGE_PATIENCE = 20.0  # smallest ratio of the pause between checks to their dur
 class Pictures:
     """The images at the last check."""
 
-    _seen: dict[int, tuple[Any, str]] = field(default_factory=dict)  # by session_uid: what is
-    # quickly compared, and the digest
-    _images_checked: float = 0.0  # when, by the monotonic clock
-    _took: float = 0.0  # seconds
+    # By session_uid: properties that are compared quickly, and the digest.
+    _seen: dict[int, tuple[Any, str]] = field(default_factory=dict)
+    _images_checked: float = 0.0  # time of the last check, monotonic
+    _took: float = 0.0  # its duration in seconds
 
     def wait(self) -> float:
         """Seconds until the next check."""
@@ -106,9 +107,7 @@ class Changes:
         self._ended |= before and not self.used_tool
 
     def take_operator_end(self) -> bool:
-        """Whether what has changed something has ended since the last time, so that it changes no
-        more.
-        """
+        """Whether the tool or operator that made changes has ended since the last call."""
         ended, self._ended = self._ended, False
         return ended
 
@@ -121,20 +120,20 @@ class Changes:
         self._relinked = True
 
     def mark_all(self) -> None:
-        """An undo may have changed anything."""
+        """Treat all scatters as changed, since an undo may have changed anything."""
         self._mark_all = self._relinked = True
 
     def skip(self, uid: int) -> None:
-        """A scatter does not follow a change; it is considered again at its next change."""
+        """Note that a scatter did not follow a change; it is checked again at its next change."""
         self._skipped.add(uid)
 
     def start_update(self, uid: int) -> None:
-        """A scatter is to be updated."""
+        """Note that a scatter will be updated."""
         self._skipped.discard(uid)
         self._waiting.pop(uid, None)
 
     def wait_for_frame(self, obj: bpy.types.Object) -> None:
-        """A scatter was solved at another frame, the only one at which shapes can be compared."""
+        """Check a scatter again at the frame at which it was solved, as shapes must be compared."""
         time = solved_time(obj)
         if time is not None and time != time_of(bpy.context.scene):
             self._waiting[obj.session_uid] = time
@@ -194,14 +193,14 @@ class Changes:
 
 
 def follows(obj: bpy.types.Object) -> bool:
-    """Whether a scatter may be solved without being asked: it has a result of its own, no bake
-    that would be lost, and is in Object Mode in the view layer that is shown.
+    """Whether a scatter may be updated automatically: it has a result and no bake, which would be
+    lost, and it is in Object Mode in the current view layer.
     """
     settings = obj.dapple
     if not settings.solved_settings or settings.baked_keys or not is_automatic(obj):
         return False
-    there = is_in_view_layer(obj) and settings.surface is not None
-    return there and obj.mode == "OBJECT" and not read_only(obj) and not missing()
+    is_visible = is_in_view_layer(obj) and settings.surface is not None
+    return is_visible and obj.mode == "OBJECT" and not read_only(obj) and not missing()
 
 
 def scatters() -> list[bpy.types.Object]:
@@ -210,10 +209,10 @@ def scatters() -> list[bpy.types.Object]:
 
 
 def dependencies(obj: bpy.types.Object) -> set[Hashable]:
-    """What a scatter is solved from, by session_uid; the scatter is not in it.
+    """The inputs of a scatter, by session_uid, without the scatter itself.
 
-    Nor are collections, which change with every object in them, and the scene, which changes with
-    every selection and whatever is written: what Camera View reads of it stands there as values.
+    Collections are left out, since they change with every object in them. So is the scene, which
+    changes with every selection: the settings that Camera View reads are added as values.
     """
     scene, density = bpy.context.scene, obj.dapple.density
     found: set[Hashable] = {

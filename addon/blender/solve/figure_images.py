@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures in the panel: drawn once, kept while the add-on is enabled, shown as icons."""
+"""Charts in the panel: drawn once, shown as icons, kept while the add-on is enabled."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ from ...core.surface.arrays import Floats
 from ..base.panel_values import CachedValue
 from ..scatter.object import settings_of
 
-_POINTS = 120  # of the pattern that settings make
+_POINTS = 120  # in the sample pattern
 _MOST = 32  # pictures that are kept
 
 
 class _IconCache:
-    """The pictures, by what they show."""
+    """The pictures by their content."""
 
     icons: Any = None
 
@@ -31,12 +31,12 @@ def energy_icon(details: Details) -> int:
 
 
 def gaps_icon(details: Details) -> int:
-    """How many points have their nearest at which distance."""
+    """Histogram of the distances to the nearest points."""
     return _icon(("gaps", details.gaps), lambda: pictures.bars(details.gaps))
 
 
 def pattern_icon(settings: Settings) -> int:
-    """What these settings make of points in the plane."""
+    """Sample pattern of points in the plane with these settings."""
     options = settings.sample_options() | {"seed": 1}
     return _icon(("pattern", *options.values()), lambda: pictures.pattern(_POINTS, options))
 
@@ -58,12 +58,12 @@ def _icon(key: tuple[Any, ...], draw: Callable[[], Floats]) -> int:
 
 
 def register() -> None:
-    """Begin to keep pictures."""
+    """Create the collection of pictures."""
     _IconCache.icons = bpy.utils.previews.new()
 
 
 def unregister() -> None:
-    """Forget them."""
+    """Remove it."""
     if _IconCache.icons is not None:
         bpy.utils.previews.remove(_IconCache.icons)
     _IconCache.icons = None
@@ -78,7 +78,7 @@ class DetailIcons:
     gaps: int = 0
 
 
-def _pictured(obj: bpy.types.Object) -> DetailIcons:
+def _detail_icons(obj: bpy.types.Object) -> DetailIcons:
     details = details_from(obj.dapple.report.details)
     return DetailIcons(details.energies, energy_icon(details), gaps_icon(details))
 
@@ -87,5 +87,5 @@ def _pattern(obj: bpy.types.Object) -> int:
     return pattern_icon(settings_of(obj))
 
 
-DETAILS = CachedValue(_pictured, DetailIcons())
+DETAILS = CachedValue(_detail_icons, DetailIcons())
 PATTERN = CachedValue(_pattern, 0)  # icon

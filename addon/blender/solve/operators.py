@@ -21,7 +21,7 @@ from .reattach import reattach_steps
 
 
 def _confirms(operator: Any, context: bpy.types.Context) -> bool:
-    """Whether the artist, who has pressed a button, is asked before a bake is taken away."""
+    """Whether the artist is asked to confirm that a bake is deleted."""
     if not context.object.dapple.baked_keys or operator.delete_keyframes or bpy.app.background:
         return False
     bpy.ops.dapple.delete_keyframes("INVOKE_DEFAULT", action=operator._action)
@@ -29,7 +29,7 @@ def _confirms(operator: Any, context: bpy.types.Context) -> bool:
 
 
 class _DeletesKeyframes(StepsOperator):
-    """Takes a bake away."""
+    """An operator that deletes baked keyframes."""
 
     _action: ClassVar[str]
     delete_keyframes: BoolProperty(
@@ -79,7 +79,7 @@ class DAPPLE_OT_delete_keyframes(AllOrNothing, bpy.types.Operator):
         operator = getattr(bpy.ops.dapple, self.action.lower())
         try:
             operator("INVOKE_DEFAULT", delete_keyframes=True)
-        except RuntimeError as error:  # what it has reported
+        except RuntimeError as error:  # its report
             raise ScatterError(str(error).removeprefix("Error: ").strip()) from error
 
 
@@ -97,7 +97,7 @@ class DAPPLE_OT_optimize(_DeletesKeyframes, bpy.types.Operator):
         return ready(cls, context, scatter=True)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        """Leave it to the background, which makes the undo step once the points are there."""
+        """Start the work in the background; it makes an undo step at its end."""
         if bpy.app.background:
             return self.execute(context)
         if not _confirms(self, context):
@@ -152,10 +152,10 @@ class DAPPLE_OT_cancel_update(AllOrNothing, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        goes_on = auto_update.is_active() or operator_jobs.current() is not None
-        if not goes_on:  # then Esc means what it means without the add-on
+        is_running = auto_update.is_active() or operator_jobs.current() is not None
+        if not is_running:  # then Esc does what it does without the add-on
             cls.poll_message_set(translated("No points are being updated"))
-        return goes_on
+        return is_running
 
     def work(self, context: bpy.types.Context) -> None:
         if operator_jobs.current() is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sub-panels Amount and Advanced, and the popover with the figures."""
+"""The panels Amount and Advanced, and the popover Details."""
 
 from typing import ClassVar
 
@@ -28,7 +28,7 @@ class DAPPLE_PT_amount(ScatterPanel, bpy.types.Panel):
 
 
 def draw_amount(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
-    """How the number of points is defined, and the number."""
+    """Draw how the number of points is defined, and the number."""
     column = layout.column()
     column.prop(settings, "amount", text="Points")
     column.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")
@@ -67,7 +67,7 @@ def _draw_figures(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     column.prop(obj.dapple.report, "spacing")
     column.enabled = False
     if obj.dapple.report.details:
-        figure_images.DETAILS.of(obj)  # by the time the popover opens it is known
+        figure_images.DETAILS.of(obj)  # requested early, so that it is known when the popover opens
         layout.popover(DAPPLE_PT_details.__name__, text="Details", icon="GRAPH")
 
 
@@ -85,16 +85,16 @@ class DAPPLE_PT_details(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, report = self.layout, context.object.dapple.report
-        pictured = figure_images.DETAILS.of(context.object)
+        icons = figure_images.DETAILS.of(context.object)
         sides = layout.row()
         column = sides.column(align=True)
         column.label(text="Distance to the nearest point")
-        column.template_icon(icon_value=pictured.gaps, scale=7.0)
+        column.template_icon(icon_value=icons.gaps, scale=7.0)
         row = column.row()
         row.label(text="0")
         at_right(row, translated("{share:.0%} of ideal", share=FARTHEST))
-        if len(pictured.energies) > 1:
-            _draw_energies(sides.column(align=True), pictured)
+        if len(icons.energies) > 1:
+            _draw_energies(sides.column(align=True), icons)
         column = layout.column(align=True)
         for name in (
             "spacing",
@@ -109,14 +109,14 @@ class DAPPLE_PT_details(bpy.types.Panel):
         column.enabled = False
 
 
-def _draw_energies(column: bpy.types.UILayout, pictured: figure_images.DetailIcons) -> None:
-    steps = len(pictured.energies) - 1
+def _draw_energies(column: bpy.types.UILayout, icons: figure_images.DetailIcons) -> None:
+    steps = len(icons.energies) - 1
     column.label(
         text=translated_count(
             steps, "Energy over {count} iteration", "Energy over {count} iterations"
         )
     )
-    column.template_icon(icon_value=pictured.energy, scale=7.0)
+    column.template_icon(icon_value=icons.energy, scale=7.0)
     row = column.row()
-    row.label(text=f"{pictured.energies[0]:.4g}")
-    at_right(row, f"{pictured.energies[-1]:.4g}")
+    row.label(text=f"{icons.energies[0]:.4g}")
+    at_right(row, f"{icons.energies[-1]:.4g}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reattach, as steps: read the surface, have the worker find the nearest places, check, write."""
+"""Reattach as steps: read the surface, find the nearest places in a worker, check, write."""
 
 import bpy
 

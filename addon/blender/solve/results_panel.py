@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the main panel says of a result and of background work."""
+"""Lines of the main panel about a result and about background work."""
 
 import bpy
 
@@ -10,14 +10,14 @@ from ..freshness import findings
 from . import auto_update
 from .operators import DAPPLE_OT_cancel_update, DAPPLE_OT_hide_message
 
-_NOTABLE = 0.02  # of an area variation, that is worth a line ...
-_SHARE = 0.3  # ... if it is that much of the whole
+# A part of the area variation is shown if it exceeds both: an absolute value, and a share of all.
+_NOTABLE, _SHARE = 0.02, 0.3
 _ICONS = {"ERROR": "ERROR", "WARNING": "ERROR", "INFO": "INFO"}
 
 
 def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
-    """The last result in a line, and what keeps it from being right: (text, icon)."""
-    if auto_update.progress(obj) is not None:  # a bar says the rest
+    """The last result in a line, and problems with it: (text, icon)."""
+    if auto_update.progress(obj) is not None:  # a bar shows the rest
         return [(_result(obj), "NONE")]
     why = auto_update.trouble(obj)
     trouble = [(translated("Not updated: {why}", why=why), "ERROR")] if why else []
@@ -26,7 +26,7 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
 
 
 def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
-    """What else is known of the last result: (text, icon)."""
+    """More figures of the last result: (text, icon)."""
     report = obj.dapple.report
     if not report.measured:
         return [(_effort(obj), "NONE")]
@@ -51,12 +51,12 @@ def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
 
 
 def _has_spacing(report: bpy.types.PropertyGroup) -> bool:
-    """Whether the ideal spacing means something: along a wire points are farther apart."""
+    """Whether the ideal spacing is meaningful; along a thin wire points are farther apart."""
     return bool(0.0 < report.alpha_mean <= 1.0) or report.count < 2
 
 
 def _doubled(report: bpy.types.PropertyGroup) -> list[tuple[str, str]]:
-    """How many faces of the surface lie on others: (text, icon)."""
+    """The number of faces that lie on other faces: (text, icon)."""
     count = report.doubled_faces
     if not count:
         return []
@@ -67,7 +67,7 @@ def _doubled(report: bpy.types.PropertyGroup) -> list[tuple[str, str]]:
 
 
 def _result(obj: bpy.types.Object) -> str:
-    """How many instances there are, and how evenly they are spread."""
+    """The number of instances, and how evenly they are spread."""
     report = obj.dapple.report
     instances = translated_count(report.count, "{count} instance", "{count:,} instances")
     if not report.measured and auto_update.progress(obj) is None:
@@ -84,7 +84,7 @@ def _result(obj: bpy.types.Object) -> str:
 def draw_result(
     layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object
 ) -> None:
-    """What is to be said, and how far an update is, with a cross to cancel it."""
+    """Draw the lines about a result, and the progress of an update with a button to cancel it."""
     for text, icon in result_lines(obj, context):
         lines_of(layout, text, icon)
     share = auto_update.progress(obj)
@@ -100,7 +100,7 @@ def draw_result(
 
 
 def _fit(result: str, found: findings.Findings | None) -> list[tuple[str, str]]:
-    """A result, and whether it fits, as far as that is known."""
+    """A result, and whether it is up to date, if that is known."""
     if found is None:
         return [(translated("{result}, not compared with the scene yet", result=result), "TIME")]
     verdict = found.verdict
@@ -113,7 +113,7 @@ def _fit(result: str, found: findings.Findings | None) -> list[tuple[str, str]]:
 
 
 def _shortfall(obj: bpy.types.Object) -> str:
-    """Why the result is not at the tolerance."""
+    """Why the tolerance was not reached."""
     if obj.dapple.report.evaluations >= obj.dapple.max_evaluations:
         return translated("Tolerance not reached: increase Max Iterations")
     return translated("Tolerance not reached: no step improves the result")
@@ -131,7 +131,7 @@ def _time(milliseconds: float) -> str:
 
 
 def draw_work(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """A bar while something goes on; else what is to be said of the active object's last work."""
+    """Draw the progress of running work, and messages about the last work on the active object."""
     work, obj = operator_jobs.current(), context.object
     if work is None:
         _end_bar(layout)
@@ -150,9 +150,9 @@ def draw_work(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 
 def _end_bar(layout: bpy.types.UILayout) -> None:
-    """Have something without a size come first.
+    """Draw an item without a size first.
 
-    Blender before 5 takes a bar under the mouse for the first label of what is drawn after it, and
-    draws that label as a bar.
+    Versions before Blender 5 confuse a progress bar under the mouse with the first label that is
+    drawn after it, and draw that label as a bar.
     """
     layout.column(align=True).separator(factor=0.0)

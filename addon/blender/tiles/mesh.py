@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tiles as an object: mesh, colors, material, node group."""
+"""The tile object: mesh, colors, material, node group."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -25,7 +25,7 @@ _OFFSET = {tiles.OFFSET: "FLOAT_VECTOR"}
 
 
 def check_tile_object(obj: bpy.types.Object) -> None:
-    """ScatterError if the tiles of a scatter would be written over something else."""
+    """ScatterError if the tiles of a scatter would overwrite another mesh."""
     made, surface = obj.dapple.tiles.object, obj.dapple.surface
     if made is None:
         return
@@ -39,9 +39,9 @@ def check_tile_object(obj: bpy.types.Object) -> None:
 
 
 def write_tiles(obj: bpy.types.Object, tiles: Tiles) -> bpy.types.Object:
-    """Make the tile object of a scatter these tiles; its modifiers and materials stay."""
+    """Write tiles into the tile object of a scatter; its modifiers and materials stay."""
     made = _own_object(obj)
-    _lay_on(made, obj.dapple.surface)
+    _align(made, obj.dapple.surface)
     mesh, places = made.data, to_local(made, tiles.vertices)
     mesh.clear_geometry()
     mesh.vertices.add(len(tiles.vertices))
@@ -62,9 +62,9 @@ def write_tiles(obj: bpy.types.Object, tiles: Tiles) -> bpy.types.Object:
 
 
 def _own_object(obj: bpy.types.Object) -> bpy.types.Object:
-    """The object for a scatter's tiles, in a scene: the one before, or a new one.
+    """The object for a scatter's tiles in a scene: the existing one, or a new one.
 
-    Of one that a copy of the scatter has too, or that lies in another file, a copy is taken.
+    An object that a copy of the scatter has too, or that is linked from another file, is copied.
     """
     made = obj.dapple.tiles.object
     if made is None or not made.users_collection:  # it was deleted, only its user count is left
@@ -88,7 +88,7 @@ def _others(obj: bpy.types.Object, made: bpy.types.Object) -> bool:
 
 
 def _assign_tiles(obj: bpy.types.Object, made: bpy.types.Object) -> None:
-    """Have a scatter own an object for its tiles, which moves with the surface."""
+    """Assign a tile object to a scatter, and parent it to the surface."""
     surface = obj.dapple.surface
     for collection in open_collections(obj) or [bpy.context.scene.collection]:
         collection.objects.link(made)
@@ -98,15 +98,15 @@ def _assign_tiles(obj: bpy.types.Object, made: bpy.types.Object) -> None:
     bpy.context.view_layer.update()
 
 
-def _lay_on(made: bpy.types.Object, surface: bpy.types.Object) -> None:
-    """Have tiles be in the surface's own space, in which they follow it."""
+def _align(made: bpy.types.Object, surface: bpy.types.Object) -> None:
+    """Give tiles the space of the surface, in which they follow it."""
     if made.matrix_world != surface.matrix_world:
         made.matrix_world = surface.matrix_world
         bpy.context.view_layer.update()
 
 
 def _material() -> bpy.types.Material:
-    """Shows the color attribute."""
+    """A new material that shows the color attribute."""
     made = bpy.data.materials.new("Dapple Tiles")
     if bpy.app.version < (5, 0):
         made.use_nodes = True
@@ -121,9 +121,9 @@ def _material() -> bpy.types.Material:
 def attach_tiles(
     obj: bpy.types.Object, made: bpy.types.Object, arrays: SurfaceArrays, binding: Binding
 ) -> None:
-    """Have the tiles of a scatter follow its surface, on which their vertices are bound.
+    """Bind the vertices of a scatter's tiles to its surface, so that they follow it.
 
-    They are where the surface is then; moved away, they deform there.
+    The tiles are at the surface. If the artist moves them away, they deform there.
     """
     surface = obj.dapple.surface
     rest = rest_of(surface, arrays, binding, obj.dapple.attached_to)
@@ -143,7 +143,7 @@ def attach_tiles(
 
 
 def _modifier(made: bpy.types.Object) -> bpy.types.NodesModifier:
-    """The one that moves the tiles; the first, as others bevel or smooth what it has moved."""
+    """The modifier that moves the tiles; it is the first one, before a bevel, for example."""
     group = ensure(tiles.TILES)
     own = (one for one in made.modifiers if one.type == "NODES" and _moves(one.node_group))
     modifier = next(own, None)
@@ -171,7 +171,7 @@ def _write_offsets(mesh: bpy.types.Mesh, inputs: dict[str, object]) -> None:
 
 @contextmanager
 def _probe(mesh: bpy.types.Mesh, inputs: dict[str, object]) -> Iterator[Callable[[Floats], Floats]]:
-    """Where vertices of a mesh are put with one offset for all of them."""
+    """A function that returns the places of a mesh's vertices if all have the same offset."""
     probe = bpy.data.objects.new("Probe", mesh)
     bpy.context.scene.collection.objects.link(probe)
     modifier = probe.modifiers.new(tiles.TILES.name, "NODES")

@@ -53,7 +53,7 @@ class DAPPLE_OT_make_tiles(StepsOperator, bpy.types.Operator):
 
 
 def tile_steps(context: bpy.types.Context) -> Steps:
-    """The active scatter's cells on the surface of this frame; returns the object and the Tiles."""
+    """Make the active scatter's tiles on the current surface; returns the object and the Tiles."""
     handle, surface = ObjectHandle(context.object), ObjectHandle(surface_of(context.object))
     check_tile_object(context.object)
     before, arrays = points_now(context.object), read(surface.get())
@@ -65,9 +65,9 @@ def tile_steps(context: bpy.types.Context) -> Steps:
     check_tile_object(obj)
     made = [*filter(None, [obj.dapple.tiles.object])]
     with as_read(arrays, surface), all_or_nothing(bpy.context, [obj, *made]):
-        made_of = write_tiles(obj, tiles)
-        attach_tiles(obj, made_of, arrays, tiles.binding)
-        return made_of, tiles
+        written = write_tiles(obj, tiles)
+        attach_tiles(obj, written, arrays, tiles.binding)
+        return written, tiles
 
 
 CLASSES = (DAPPLE_OT_make_tiles,)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sub-panel for the tiles that the areas of the points make."""
+"""The panel Tiles."""
 
 from typing import ClassVar
 

@@ -273,7 +273,7 @@ def test_broken_catalogs_are_named_and_left_out(tmp_path, monkeypatch, capsys):
     (tmp_path / "nl_NL.json").write_text(json.dumps({"*": {"Count": "Aantal"}}))
     assert part().catalogs(tmp_path) == {"nl_NL": {("*", "Count"): "Aantal"}}
     said = capsys.readouterr().out
-    assert all(f"{locale}.json' is no translation: " in said for locale in BROKEN)
+    assert all(f"{locale}.json' is not a translation: " in said for locale in BROKEN)
     monkeypatch.setattr(part(), "FOLDER", tmp_path)
     addon_host.part("blender").unregister()
     addon_host.part("blender").register()
