@@ -12,10 +12,11 @@ from typing import Any
 import bpy
 import numpy as np
 
-from addon.blender.base import user_activity
+from addon.blender.base import activity
 from addon.blender.solve import auto_update, optimize
 from addon.core.base.steps import Stepper
 from addon.core.solve import incremental
+from addon.core.solve.relaxation import Relaxer
 
 # Points, faces, object types, seconds that are the goal.
 CASES = (
@@ -106,12 +107,12 @@ def _look() -> float | None:
 @contextmanager
 def _brush_on_surface() -> Iterator[None]:
     """A stroke, which a Blender without windows cannot paint."""
-    real = user_activity.is_painting
-    user_activity.is_painting = lambda: True
+    real = activity.is_painting
+    activity.is_painting = lambda: True
     try:
         yield
     finally:
-        user_activity.is_painting = real
+        activity.is_painting = real
 
 
 @contextmanager
@@ -125,8 +126,7 @@ def _parts() -> Iterator[dict[str, float]]:
         (optimize.Update, "write", "writing"),
         (Stepper, "run_for", "main thread"),
         (incremental, "masked_surface_of", "  surface"),
-        (incremental, "relaxed", "  relaxing"),
-        (incremental, "classes_relaxed", "  relaxing"),
+        (Relaxer, "relaxed", "  relaxing"),
         (incremental, "_scattered", "  columns"),
         (optimize, "previous_result", "reading points"),
     ]

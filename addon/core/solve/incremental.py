@@ -23,17 +23,7 @@ from .carried_points import SAME_PLACE, PreviousResult, carried_points, cut_alik
 from .class_counts import clearances, shrunk, wanted_counts
 from .figures import Details, details_of
 from .locked import Locked
-from .relaxation import (
-    classes_relaxed,
-    evened_around,
-    locked_rows,
-    old_rows,
-    relaxed,
-    resampled,
-    staying,
-    with_counts,
-    without_zero_density,
-)
+from .relaxation import Relaxer, locked_rows, old_rows, staying
 from .solve import Scattered, Solved, point_columns, report_of
 
 KEEPING = {"count", "per_area", "density", "forward"}  # settings that may have changed
@@ -71,17 +61,13 @@ def kept(
             locked.of_classes(wanted_counts(masked, settings))  # ScatterError if too many
         given, changed = carried_points(before, arrays, masked, settings)
         edited = edited_faces(before, arrays, masked)
-        if settings.object_types:
-            changed = np.union1d(changed, edited).astype(np.int32)
-            solved = fine = classes_relaxed(masked, given, changed, settings, context, locked)
-        elif len(edited) and not len(changed):
-            solved = evened_around(masked, given, edited, settings, context, locked)
-            solved = without_zero_density(masked, solved, settings, context, locked)
+        relaxer = Relaxer(masked, settings, context, locked)
+        if len(edited) and not len(changed) and not settings.object_types:
+            solved = relaxer.evened_around(given, edited)
             fine = _with_ids_of(given, solved, masked)
         else:
             changed = np.union1d(changed, edited).astype(np.int32)
-            solved = relaxed(masked, given, changed, settings, context, locked)
-            solved = fine = without_zero_density(masked, solved, settings, context, locked)
+            solved = fine = relaxer.relaxed(given, changed)
         found = _scattered(before, arrays, masked, given, fine, settings, locked)
         effort = {name: getattr(report_of(solved.report), name) for name in _EFFORT}
     return replace(found, report=replace(found.report, **effort))
@@ -135,11 +121,7 @@ def evened(before: Scattered, context: Any, locked: Locked | None) -> Scattered:
     assert solved is not None
     masked, arrays = solved.masked, solved.arrays
     with named(arrays.name):
-        if settings.object_types:
-            fine = with_counts(masked, solved.samples, settings, context, locked)
-        else:
-            fine = resampled(masked, solved.samples, settings, context, locked)
-            fine = without_zero_density(masked, fine, settings, context, locked)
+        fine = Relaxer(masked, settings, context, locked).with_counts(solved.samples)
         stored = PreviousResult(before.binding, before.columns, solved)
         found = _scattered(stored, arrays, masked, solved.samples, fine, settings, locked)
     spent = before.report.milliseconds + found.report.milliseconds

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Points evened out near a change, with the right count."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,79 +25,123 @@ _MOST = 1.0  # share of missing points above which all are placed again
 _MANY = 0.05  # share of missing points above which all are moved at once
 
 
-def relaxed(
-    masked: MaskedSurface,
-    given: Any,
-    changed: Ints,
-    settings: Settings,
-    context: Any,
-    locked: Locked | None,
-) -> Any:
-    wanted = _wanted(masked, settings)
-    everything = len(changed) == len(masked.surface.faces)
-    if not len(changed) and wanted == len(given):
-        return given
-    if locked is None and _stranded(masked, given) > _STRANDED:
-        return sampled(masked, settings, context)
-    if everything or not len(changed) or not len(given):
-        return resampled(masked, given, settings, context, locked)
-    coming = 0.0 if settings.per_area else _missing_points(masked, given, changed)
-    if locked is None and coming > _MOST * wanted:
-        return sampled(masked, settings, context)
-    if coming > _MANY * wanted:
-        return resampled(masked, given, settings, context, locked)
-    options = {
-        "locked": locked_rows(given, locked),
-        "context": context,
-        **settings.sample_options(),
-    }
-    found = package().relax(masked.surface, given, changed, **options)
-    missing = abs(len(found) - wanted)
-    if missing and missing <= _FEW * np.count_nonzero(~staying(given, found)):
-        return package().relax(masked.surface, given, changed, count=wanted, **options)
-    return found
+@dataclass(frozen=True)
+class Relaxer:
+    """Evens out samples of a surface that are there already; locked ones stay."""
 
+    masked: MaskedSurface
+    settings: Settings
+    context: Any
+    locked: Locked | None
 
-def classes_relaxed(
-    masked: MaskedSurface,
-    given: Any,
-    changed: Ints,
-    settings: Settings,
-    context: Any,
-    locked: Locked | None,
-) -> Any:
-    """Relax several classes near changes; solve again if everything changed."""
-    if len(changed) == len(masked.surface.faces) or not len(given):
-        return sampled(masked, settings, context, locked)
-    if locked is None and _stranded(masked, given) > _STRANDED:
-        return sampled(masked, settings, context)
-    options = settings.sample_options()
-    options["tolerance"] = max(options.get("tolerance", 0.0), _ROUGH)
-    return package().relax(
-        masked.surface,
-        given,
-        changed,
-        classes=classes_of(masked, settings, wanted_counts(masked, settings)),
-        free_counts=True,
-        locked=locked_rows(given, locked),
-        context=context,
-        **options,
-    )
+    def relaxed(self, given: Any, changed: Ints) -> Any:
+        """Even out samples near the changed faces. The count may differ from the exact one."""
+        if self.settings.object_types:
+            return self._classes_relaxed(given, changed)
+        return self._without_zero_density(self._relaxed(given, changed))
 
+    def with_counts(self, given: Any) -> Any:
+        """Even out samples over the whole surface, with the right counts."""
+        if self.settings.object_types:
+            return self._relax(given, [], classes=self._classes())
+        return self._without_zero_density(self._resampled(given))
 
-def with_counts(
-    masked: MaskedSurface, given: Any, settings: Settings, context: Any, locked: Locked | None
-) -> Any:
-    """Several classes with the right counts, even over the whole surface."""
-    return package().relax(
-        masked.surface,
-        given,
-        [],
-        classes=classes_of(masked, settings, wanted_counts(masked, settings)),
-        locked=locked_rows(given, locked),
-        context=context,
-        **settings.sample_options(),
-    )
+    def evened_around(self, given: Any, faces: Ints) -> Any:
+        """Even out the same number of samples of a single class around these faces.
+
+        Samples first appear and vanish there, since neighbors alone would leave a ring around
+        removed ones. Then as many vanish or appear elsewhere if the neighbors have to change only a
+        little for it.
+        """
+        found = self._relax(given, faces)
+        spare = abs(len(found) - len(given))
+        if spare:
+            found = self._with_count_around(found, faces, len(given), spare)
+        return self._without_zero_density(found)
+
+    def _with_count_around(self, found: Any, faces: Ints, count: int, spare: int) -> Any:
+        away = _distances_from(self.masked, found, faces)
+        nearest = np.argsort(away)[: round(spare / _YIELDS) if spare > _HANDFUL else 0]
+        reach = away[nearest].max(initial=0.0) + _RINGS * found.report.spacing
+        stay = np.union1d(self._locked_rows(found), np.flatnonzero(away > reach)).astype(np.int32)
+        around = np.union1d(faces, found.faces[nearest]).astype(np.int32)
+        return self._relax(found, around, count=count, locked=stay)
+
+    def _relaxed(self, given: Any, changed: Ints) -> Any:
+        """Relax a single class near changes; solve again if most samples would move anyway."""
+        wanted = self._wanted()
+        everything = len(changed) == len(self.masked.surface.faces)
+        if not len(changed) and wanted == len(given):
+            return given
+        if self.locked is None and _stranded(self.masked, given) > _STRANDED:
+            return self._sampled()
+        if everything or not len(changed) or not len(given):
+            return self._resampled(given)
+        coming = 0.0
+        if not self.settings.per_area:
+            coming = _missing_points(self.masked, given, changed)
+        if self.locked is None and coming > _MOST * wanted:
+            return self._sampled()
+        if coming > _MANY * wanted:
+            return self._resampled(given)
+        found = self._relax(given, changed)
+        missing = abs(len(found) - wanted)
+        if missing and missing <= _FEW * np.count_nonzero(~staying(given, found)):
+            return self._relax(given, changed, count=wanted)
+        return found
+
+    def _classes_relaxed(self, given: Any, changed: Ints) -> Any:
+        """Relax several classes near changes; solve again if everything changed."""
+        if len(changed) == len(self.masked.surface.faces) or not len(given):
+            return self._sampled()
+        if self.locked is None and _stranded(self.masked, given) > _STRANDED:
+            return self._sampled()
+        tolerance = max(self.settings.sample_options().get("tolerance", 0.0), _ROUGH)
+        own = self._classes()
+        return self._relax(given, changed, classes=own, free_counts=True, tolerance=tolerance)
+
+    def _without_zero_density(self, found: Any) -> Any:
+        """Replace samples where the density is 0, except locked ones."""
+        for _ in range(_TRIES):
+            left = self.masked.density_at(found) == 0.0
+            left[self._locked_rows(found)] = False
+            if not left.any():
+                return found
+            who = {"ids": found.ids[~left], "classes": found.classes[~left]}
+            places = found.faces[~left], found.barycentric[~left]
+            found = self._resampled(package().Samples(self.masked.surface, *places, **who))
+        return found
+
+    def _relax(self, given: Any, changed: Any, **options: Any) -> Any:
+        own = {"locked": self._locked_rows(given), "context": self.context}
+        options = {**self.settings.sample_options(), **own, **options}
+        return package().relax(self.masked.surface, given, changed, **options)
+
+    def _resampled(self, given: Any) -> Any:
+        """Even out all samples with the right count."""
+        return package().resample(
+            self.masked.surface,
+            given,
+            self._wanted(),
+            locked=self._locked_rows(given),
+            context=self.context,
+            **self.settings.sample_options(),
+        )
+
+    def _sampled(self) -> Any:
+        """New samples, around locked ones."""
+        return sampled(self.masked, self.settings, self.context, self.locked)
+
+    def _classes(self) -> Any:
+        counts = wanted_counts(self.masked, self.settings)
+        return classes_of(self.masked, self.settings, counts)
+
+    def _wanted(self) -> int:
+        """Number of samples of a single class."""
+        return wanted_counts(self.masked, self.settings)[0]
+
+    def _locked_rows(self, samples: Any) -> Ints:
+        return locked_rows(samples, self.locked)
 
 
 def _stranded(masked: MaskedSurface, given: Any) -> float:
@@ -104,22 +149,6 @@ def _stranded(masked: MaskedSurface, given: Any) -> float:
     if not len(given):
         return 0.0
     return float((masked.corner_density()[given.faces] == 0.0).all(axis=1).mean())
-
-
-def without_zero_density(
-    masked: MaskedSurface, found: Any, settings: Settings, context: Any, locked: Locked | None
-) -> Any:
-    """Replace points where the density is 0, except locked ones."""
-    for _ in range(_TRIES):
-        left = masked.density_at(found) == 0.0
-        left[locked_rows(found, locked)] = False
-        if not left.any():
-            return found
-        who = {"ids": found.ids[~left], "classes": found.classes[~left]}
-        places = found.faces[~left], found.barycentric[~left]
-        rest = package().Samples(masked.surface, *places, **who)
-        found = resampled(masked, rest, settings, context, locked)
-    return found
 
 
 def _missing_points(masked: MaskedSurface, given: Any, changed: Ints) -> float:
@@ -134,61 +163,12 @@ def _missing_points(masked: MaskedSurface, given: Any, changed: Ints) -> float:
     return capacity / rest * (len(given) - inside) - inside if rest > 0.0 else float(len(given))
 
 
-def evened_around(
-    masked: MaskedSurface,
-    given: Any,
-    faces: Ints,
-    settings: Settings,
-    context: Any,
-    locked: Locked | None,
-) -> Any:
-    """Even out the same number of points around these faces.
-
-    Points first appear and vanish there, since neighbors alone would leave a ring around removed
-    points. Then as many points vanish or appear elsewhere if the neighbors have to change only a
-    little for it.
-    """
-
-    def relaxed(samples: Any, where: Ints, count: int | None, rows: Ints) -> Any:
-        options = settings.sample_options()
-        return package().relax(
-            masked.surface, samples, where, count=count, locked=rows, context=context, **options
-        )
-
-    found = relaxed(given, faces, None, locked_rows(given, locked))
-    spare = abs(len(found) - len(given))
-    if not spare:
-        return found
-    away = _distances_from(masked, found, faces)
-    nearest = np.argsort(away)[: round(spare / _YIELDS) if spare > _HANDFUL else 0]
-    reach = away[nearest].max(initial=0.0) + _RINGS * found.report.spacing
-    stay = np.union1d(locked_rows(found, locked), np.flatnonzero(away > reach)).astype(np.int32)
-    around = np.union1d(faces, found.faces[nearest]).astype(np.int32)
-    return relaxed(found, around, len(given), stay)
-
-
 def _distances_from(masked: MaskedSurface, samples: Any, faces: Ints) -> Floats:
     """Distances (n,) of samples from the nearest of these faces."""
     middles = masked.surface.vertices[masked.surface.faces[faces]].mean(axis=1)
     ways = [np.linalg.norm(samples.positions - one, axis=1) for one in middles]
     found: Floats = np.min(ways, axis=0)
     return found
-
-
-def resampled(
-    masked: MaskedSurface, given: Any, settings: Settings, context: Any, locked: Locked | None
-) -> Any:
-    """Even out all points with the right count; only locked points stay."""
-    options, wanted = settings.sample_options(), _wanted(masked, settings)
-    rows = locked_rows(given, locked)
-    return package().resample(
-        masked.surface, given, wanted, locked=rows, context=context, **options
-    )
-
-
-def _wanted(masked: MaskedSurface, settings: Settings) -> int:
-    """Number of points of a single class."""
-    return wanted_counts(masked, settings)[0]
 
 
 def locked_rows(samples: Any, locked: Locked | None) -> Ints:
