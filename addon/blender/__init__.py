@@ -16,7 +16,7 @@ from .assets import dropped
 from .assets import library as assets_library
 from .assets import operators as assets_operators
 from .bake import operators as bake_operators
-from .base import handlers, jobs, operator_jobs, panel_values, recent_objects, renders, translation
+from .base import activity, handlers, jobs, operator_jobs, panel_values, recent_objects, translation
 from .command import entry
 from .density import operators as density_operators
 from .density import overlay
@@ -28,7 +28,7 @@ from .hand_points import tool
 from .object_types import operators as object_types_operators
 from .presets import operators as presets_operators
 from .remesh import operators as remesh_operators
-from .scatter import modifier_tab
+from .scatter import modifier
 from .settings import properties, updates
 from .solve import auto_update, figure_images, operators, session_solutions
 from .surface import subdivision
@@ -55,7 +55,7 @@ _WITH_CLASSES: tuple[Any, ...] = (
 )
 CLASSES = tuple(one for module in _WITH_CLASSES for one in module.CLASSES)
 _LISTENING: tuple[Any, ...] = (  # to Blender's events, in this order
-    renders,
+    activity,
     unfinished_bakes,
     panel_values,
     presets_operators,
@@ -68,7 +68,7 @@ _LISTENING: tuple[Any, ...] = (  # to Blender's events, in this order
     session_solutions,
     auto_update,
     dropped,
-    modifier_tab,
+    modifier,
     object_types_operators,
     copied_surfaces,
 )

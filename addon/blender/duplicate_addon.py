@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import bpy
 
 from .base import PACKAGE
-from .base.labels import lines_of
+from .base.sidebars import lines_of
 from .base.timers import call_off, call_within
 from .base.translation import english, translated
 

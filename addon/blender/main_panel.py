@@ -9,7 +9,7 @@ from .add.panel import DAPPLE_MT_over_collection, draw_surface
 from .add.scatter_list import DAPPLE_OT_select_surface
 from .assets.operators import draw_placing
 from .bake.panel import DAPPLE_PT_animation
-from .base.labels import lines_of
+from .base.sidebars import lines_of
 from .base.translation import translated
 from .density.panel import DAPPLE_MT_materials, DAPPLE_PT_density, draw_painting
 from .display.panel import DAPPLE_PT_display

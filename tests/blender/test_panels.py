@@ -242,7 +242,7 @@ def test_a_body_with_other_faces_in_the_render_is_told_in_one_sentence():
 
 def test_what_is_said_leaves_room_for_its_cross(monkeypatch):
     scenes.scattered(scenes.sphere())
-    labels = addon_host.part("blender.base.labels")
+    labels = addon_host.part("blender.base.sidebars")
     work = addon_host.part("blender.base.operator_jobs")
     monkeypatch.setattr(
         work, "notes", lambda _: [("INFO", "points are attached to what is there " * 9)]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ...nodes import get_input, has_input, set_input
-from ..base import operator_jobs, renders
+from ..base import activity, operator_jobs
 from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
 from ..scatter.linked_data import read_only
@@ -25,7 +25,7 @@ _state = _State()
 
 def _updated(evaluation: Evaluation) -> None:
     """Look at scatters that are new, and have the others know what they are on."""
-    if is_quiet() or operator_jobs.current() is not None or renders.busy():
+    if is_quiet() or operator_jobs.current() is not None or activity.is_rendering():
         return
     for obj, _ in evaluation.objects():
         if is_scatter(obj) and not read_only(obj):

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..base.labels import at_right
 from ..base.panel_values import CachedValue
+from ..base.sidebars import at_right
 from ..base.translation import translated
 from ..presets.operators import draw_presets
 from ..scatter.object import is_surface

@@ -12,10 +12,10 @@ import bpy
 from mathutils import Vector
 
 from ...core.base.errors import ScatterError
+from ..base.activity import is_operated
 from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
 from ..base.timers import call_within
-from ..base.user_activity import is_operated
 from ..scatter.linked_data import read_only
 from ..scatter.object import is_scatter, is_surface, is_unsolved
 from ..solve import auto_update

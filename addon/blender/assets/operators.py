@@ -10,8 +10,8 @@ from bpy.props import StringProperty
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps
 from ..base import jobs
-from ..base.labels import lines_of
 from ..base.operator_jobs import Outcome
+from ..base.sidebars import lines_of
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator, tried
 from ..base.translation import translated, translated_report
 from ..scatter.linked_data import read_only

@@ -6,7 +6,7 @@ from typing import ClassVar
 import bpy
 
 from ...core.settings.solver_options import MOTION
-from ..base.labels import lines_of
+from ..base.sidebars import lines_of
 from ..base.translation import translated, translated_count
 from ..display import preview
 from ..display.preview import DAPPLE_OT_live_preview

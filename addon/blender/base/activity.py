@@ -1,12 +1,42 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the artist is doing now; timers must not interfere with it."""
+"""Renders, playback and running tools, with which timers must not interfere."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import bpy
 
+from .handlers import Subscriber
+
 _STROKES = ("PAINT_OT_", "SCULPT_OT_", "GPENCIL_OT_")
 _SCRUBBING = "ANIM_OT_change_frame"
+
+
+@dataclass
+class _State:
+    rendering: bool = False
+
+
+_state = _State()
+
+
+def is_rendering() -> bool:
+    """Whether Blender renders, or has locked its interface to do so."""
+    locked = any(manager.is_interface_locked for manager in bpy.data.window_managers)
+    return _state.rendering or locked or bpy.app.is_job_running("RENDER")
+
+
+def _began() -> None:
+    _state.rendering = True
+
+
+def _ended() -> None:
+    _state.rendering = False
+
+
+SUBSCRIBER = Subscriber(
+    render_began=_began, render_ended=_ended, before_load=_ended, disabled=_ended
+)
 
 
 def is_playing() -> bool:

@@ -15,7 +15,7 @@ from typing import Any
 import bpy
 
 from ...core.base.steps import Steps
-from . import renders, user_activity
+from . import activity
 from .handlers import Evaluation, Subscriber
 from .jobs import Job
 from .object_handles import ObjectHandle
@@ -149,13 +149,13 @@ def dismiss(obj: bpy.types.Object) -> None:
 
 def pause() -> str:
     """Why the file must not be read or written now; empty if it may be."""
-    if renders.busy():
+    if activity.is_rendering():
         return translated("Blender renders")
-    if user_activity.is_playing():
+    if activity.is_playing():
         return translated("the animation plays")
-    if user_activity.is_operated() or user_activity.is_painting():
+    if activity.is_operated() or activity.is_painting():
         return translated("another tool is used")
-    if user_activity.is_scrubbing() or time.monotonic() - _state.frame_changed < REST:
+    if activity.is_scrubbing() or time.monotonic() - _state.frame_changed < REST:
         return translated("the frame was changed")
     return ""
 
@@ -165,7 +165,7 @@ def tick() -> float | None:
     work = _state.work
     if work is None:
         return None
-    if renders.busy() or (pause() and not work.job.stepper.is_stopped):
+    if activity.is_rendering() or (pause() and not work.job.stepper.is_stopped):
         _show(work)
         return PAUSED
     try:

@@ -13,10 +13,9 @@ from typing import Any
 import bpy
 
 from ...core.base.errors import ScatterError
-from . import step_operators
+from . import activity, step_operators
 from .handlers import Subscriber
 from .object_handles import ObjectHandle
-from .renders import busy
 from .sidebars import redraw
 from .timers import call_within
 
@@ -69,7 +68,7 @@ def known_objects() -> set[str]:
 
 def tick() -> float | None:
     """Find requested values; returns seconds until the next call, None to end."""
-    if busy() or step_operators.is_under_way():
+    if activity.is_rendering() or step_operators.is_under_way():
         return _PAUSE
     _tidy()
     any_changed = False

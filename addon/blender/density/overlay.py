@@ -18,11 +18,11 @@ from gpu_extras.batch import batch_for_shader
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps, Task
 from ...core.density.colors import Colored, Singles, computed
+from ..base import activity
 from ..base.all_or_nothing import sentence
 from ..base.handlers import Evaluation, Subscriber
 from ..base.jobs import Job
 from ..base.object_handles import ObjectHandle
-from ..base.renders import busy
 from ..base.timers import call_within
 from ..base.translation import translated
 from ..scatter.object import surface_of
@@ -174,7 +174,7 @@ def tick() -> float | None:
     """Start or continue the computation; returns seconds until the next call, None to end."""
     if _shown.scatter is None:
         return None
-    if busy():
+    if activity.is_rendering():
         return PAUSE
     try:
         _check(_shown.scatter.get())

@@ -11,8 +11,8 @@ from ...core.base.native import package
 from ...core.settings.density_table import DENSITY
 from ...core.settings.descriptors import Kind, Setting
 from ...core.settings.mask_table import MASKS
-from ..base.labels import lines_of
 from ..base.panel_values import CachedValue
+from ..base.sidebars import lines_of
 from ..base.translation import translated
 from ..scatter.object import material_name
 from ..scatter.panel import ScatterPanel, draw_in_header

@@ -6,7 +6,7 @@ from typing import ClassVar
 import bpy
 
 from ...core.settings.display_table import DETAIL, SHOWN, WHERE
-from ..base.labels import lines_of
+from ..base.sidebars import lines_of
 from ..base.translation import translated
 from ..scatter.panel import ScatterPanel
 

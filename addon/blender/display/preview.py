@@ -14,11 +14,11 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps
+from ..base import activity
 from ..base.all_or_nothing import sentence
 from ..base.handlers import Evaluation, Subscriber
 from ..base.jobs import Job
 from ..base.object_handles import ObjectHandle
-from ..base.renders import busy
 from ..base.step_operators import AllOrNothing
 from ..base.timers import call_within
 from ..base.translation import translated
@@ -116,12 +116,12 @@ def _restart_steps(preview: Preview) -> None:
 
 def tick() -> float | None:
     """Check the surfaces of previews; returns seconds until the next call, None to end."""
-    if _state.undone and not busy():
+    if _state.undone and not activity.is_rendering():
         _state.undone = False
         clear_bindings(keep=_state.previews)
     if not _state.previews and not _state.undone:
         return None
-    if busy():
+    if activity.is_rendering():
         return _TICK
     dirty, _state.dirty = _state.dirty, False
     for preview in list(_state.previews.values()):

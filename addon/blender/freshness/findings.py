@@ -13,7 +13,7 @@ from typing import Any
 import bpy
 
 from ...core.base.errors import ScatterError
-from ..base import renders, step_operators, user_activity
+from ..base import activity, step_operators
 from ..base.handlers import Evaluation, Subscriber
 from ..base.object_handles import ObjectHandle
 from ..base.quiet import is_quiet
@@ -189,7 +189,7 @@ def _wake() -> None:
 
 def _busy() -> bool:
     """Whether Blender renders, plays the animation or runs an operator of the add-on."""
-    return renders.busy() or step_operators.is_under_way() or user_activity.is_playing()
+    return activity.is_rendering() or step_operators.is_under_way() or activity.is_playing()
 
 
 def _updated(evaluation: Evaluation) -> None:

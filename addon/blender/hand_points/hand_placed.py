@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points that were added, moved or removed by hand.
+"""Points that were added, moved, removed or locked by hand.
 
 Added and moved points are attached to the nearest place of the surface and locked. All others keep
 their ids and the known solution, so that Auto Update hardly moves them when it evens them out
 around the edited ones. An exact count is adjusted.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.base.errors import ScatterError
 from ...core.solve.solve import Attached, attached
 from ...core.solve.stale import changed_settings, settings_text
 from ...core.surface.arrays import Floats, SurfaceArrays
@@ -25,7 +28,14 @@ from ...core.surface.records import (
     unbound,
 )
 from ...core.surface.rest import AtRest
-from ..base.mesh_arrays import read_columns, read_points, to_local, to_world, write_columns
+from ..base.mesh_arrays import (
+    own_attribute,
+    read_columns,
+    read_points,
+    to_local,
+    to_world,
+    write_columns,
+)
 from ..base.object_handles import ObjectHandle
 from ..scatter.linked_data import own_mesh
 from ..scatter.object import settings_of, surface_of
@@ -42,10 +52,10 @@ from ..solve.session_solutions import known_as_placed
 from ..surface.current_binding import binding_now, other_faces, rest_of
 from ..surface.reading import read
 from ..surface.rest_position import rest_position
-from .locking import write_locked
 
 Chosen = NDArray[np.bool_]  # per point
 (_PLACED,) = PLACED_ATTRIBUTES
+_LOCKED = "dapple_locked"
 
 
 def take_in(
@@ -165,3 +175,47 @@ def write_placed(
     inverse = np.linalg.pinv(arrays.matrix)  # it exists for a flattened surface too
     add_edited(obj, found.edited @ inverse[:3, :3].T + inverse[:3, 3])
     write_digest(obj)
+
+
+def lock_points(obj: bpy.types.Object, lock: bool, every: bool) -> int:
+    """Lock or unlock the selected points, or all; returns their number.
+
+    Raises:
+        ScatterError: no point is selected.
+    """
+    with _out_of_edit_mode(obj):
+        mesh = own_mesh(obj)
+        chosen = np.ones(len(mesh.vertices), dtype=bool)
+        if not every:
+            mesh.vertices.foreach_get("select", chosen)
+        if not chosen.any():
+            raise ScatterError(
+                f"Scatter '{obj.name}': no point is selected. Select some in Edit Mode"
+            )
+        write_locked(obj, chosen, lock)
+    return int(chosen.sum())
+
+
+def write_locked(obj: bpy.types.Object, chosen: NDArray[np.bool_], lock: bool = True) -> None:
+    """Lock or unlock the chosen points; the others stay as they are."""
+    mesh = own_mesh(obj)
+    attribute = own_attribute(mesh, _LOCKED, "BOOLEAN")
+    locked = np.zeros(len(mesh.vertices), dtype=bool)
+    attribute.data.foreach_get("value", locked)
+    locked[chosen] = lock
+    attribute.data.foreach_set("value", locked)
+    mesh.update()
+    obj.dapple.locked_count = int(locked.sum())
+
+
+@contextmanager
+def _out_of_edit_mode(obj: bpy.types.Object) -> Iterator[None]:
+    """Leave Edit Mode for a moment, as attributes cannot be written there."""
+    editing = obj.mode == "EDIT"
+    if editing:
+        bpy.ops.object.mode_set(mode="OBJECT")
+    try:
+        yield
+    finally:
+        if editing:
+            bpy.ops.object.mode_set(mode="EDIT")

@@ -12,7 +12,7 @@ from ..settings.updates import settings_changed
 from ..solve import auto_update
 from ..surface.polls import editable, writable
 from .editing import add_vertex, begin_editing, edited_scatter, end_editing
-from .locking import lock_points
+from .hand_placed import lock_points
 from .picking import place_under_mouse
 from .single_points import add_point, move_point, remove_point
 

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import bpy
 
-from ..base.labels import lines_of
+from ..base.sidebars import lines_of
 from ..base.translation import OWN, translated, translated_count
 from ..object_types.panel import active_type
 from ..scatter.panel import ScatterPanel

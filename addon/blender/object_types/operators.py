@@ -12,7 +12,7 @@ from ...core.solve.stale import changed_settings
 from ...core.surface.arrays import Floats, Ints
 from ...core.surface.sources import sources_from
 from ...nodes import INSTANCE_INPUTS
-from ..base import operator_jobs, renders
+from ..base import activity, operator_jobs
 from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
 from ..base.step_operators import OPTIONS, AllOrNothing
@@ -201,7 +201,7 @@ CLASSES = (
 
 def _updated(evaluation: Evaluation) -> None:
     """What is placed has its scatter evaluated too."""
-    if is_quiet() or operator_jobs.current() is not None or renders.busy():
+    if is_quiet() or operator_jobs.current() is not None or activity.is_rendering():
         return
     for obj, _ in evaluation.objects():
         if is_scatter(obj) and not read_only(obj):

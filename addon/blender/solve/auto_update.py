@@ -21,7 +21,8 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from ...core.base.schedule import Schedule
-from ..base import renders, step_operators, user_activity
+from ..base import activity, step_operators
+from ..base.activity import is_operated
 from ..base.handlers import Evaluation, Subscriber
 from ..base.jobs import Job
 from ..base.object_handles import ObjectHandle
@@ -29,7 +30,6 @@ from ..base.quiet import is_quiet
 from ..base.sidebars import redraw
 from ..base.step_operators import is_under_way
 from ..base.timers import call_in
-from ..base.user_activity import is_operated
 from ..display import preview
 from .changes import NOBODY, Cause, Changes, follows, scatters
 from .optimize import optimize_steps
@@ -340,8 +340,8 @@ def restart_preview(obj: bpy.types.Object) -> None:
 def is_blocked() -> bool:
     """Whether Blender renders, plays or paints a stroke, or an operator of the add-on works."""
     return (
-        renders.busy()
+        activity.is_rendering()
         or step_operators.is_under_way()
-        or user_activity.is_playing()
-        or user_activity.is_painting()
+        or activity.is_playing()
+        or activity.is_painting()
     )

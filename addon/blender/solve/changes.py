@@ -15,9 +15,9 @@ from typing import Any
 import bpy
 
 from ...core.base.native import missing
+from ..base.activity import is_using_tool, last_operator
 from ..base.handlers import Evaluation
 from ..base.times import time_of
-from ..base.user_activity import is_using_tool, last_operator
 from ..freshness.content_changes import solved_time
 from ..freshness.scene_snapshot import AROUND, SURFACE, VALUES, depends_on
 from ..scatter.linked_data import is_in_view_layer, read_only

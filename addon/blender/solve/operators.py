@@ -7,17 +7,26 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ...core.base.errors import ScatterError
-from ...core.base.steps import Steps
+from ...core.base.steps import Steps, Task
+from ...core.solve.class_counts import clearances
+from ...core.solve.solve import nearest_binding
 from ..base import operator_jobs
 from ..base.object_handles import ObjectHandle
 from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator
 from ..base.translation import operator_label, translated
 from ..display import preview
+from ..freshness.concurrent_edits import check_points_kept, points_now
+from ..scatter.object import settings_of
+from ..scatter.points import columns_with_own_ids, places_of
+from ..surface.current_binding import rest_of
+from ..surface.joined_surface import surface_for
 from ..surface.polls import ready
+from ..surface.reading import as_read, read
+from ..surface.rest_position import kind_of_binding, rest_position
 from . import auto_update
 from .optimize import optimize_steps
-from .reattach import reattach_steps
+from .session_solutions import write_reattached
 
 
 def _confirms(operator: Any, context: bpy.types.Context) -> bool:
@@ -115,6 +124,24 @@ class DAPPLE_OT_optimize(_DeletesKeyframes, bpy.types.Operator):
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
         preview.restart(obj)
         return Outcome(obj)
+
+
+def reattach_steps(context: bpy.types.Context) -> Steps:
+    """Bind the active scatter to the places of its surface that are nearest to its points."""
+    handle = ObjectHandle(context.object)
+    with surface_for(context.object) as surface:
+        kind = kind_of_binding(surface.get(), context, context.object.dapple.attach_to)
+        before, arrays = points_now(context.object), read(surface.get())
+        points, columns = places_of(context.object), columns_with_own_ids(context.object)
+        settings = settings_of(context.object)
+        binding = yield Task(lambda _: nearest_binding(points, arrays))
+        columns["dapple_clearance"] = clearances(points, columns["dapple_object_type"], settings)
+        obj = handle.get()
+        check_points_kept(obj, before, "attached")
+        with as_read(arrays, surface), rest_position(surface, kind):
+            rest = rest_of(surface.get(), arrays, binding, kind)
+            write_reattached(obj, arrays, binding, columns, rest)
+    return obj
 
 
 class DAPPLE_OT_reattach(_DeletesKeyframes, bpy.types.Operator):

@@ -7,7 +7,7 @@ import bpy
 
 from ...core.settings.solver_options import EVENNESS
 from ...core.solve.figures import FARTHEST
-from ..base.labels import at_right, lines_of
+from ..base.sidebars import at_right, lines_of
 from ..base.translation import translated, translated_count
 from ..scatter.object import is_scatter, rest_note
 from ..scatter.panel import ScatterPanel

@@ -4,7 +4,7 @@
 import bpy
 
 from ..base import operator_jobs
-from ..base.labels import BUTTON, lines_of
+from ..base.sidebars import BUTTON, lines_of
 from ..base.translation import translated, translated_count
 from ..freshness import findings
 from . import auto_update

@@ -78,7 +78,7 @@ def previous_result(obj: bpy.types.Object) -> PreviousResult:
 
 def solved_arrays(obj: bpy.types.Object) -> SurfaceArrays | None:
     """The surface that the points of a scatter were solved on, if it is remembered."""
-    solved, _ = _known.get(points_digest(obj), (None, None))
+    solved, _ = _known.get(obj.dapple.solved_points, (None, None))
     return None if solved is None else solved.arrays
 
 

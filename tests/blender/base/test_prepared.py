@@ -135,7 +135,7 @@ def test_nothing_is_found_meanwhile(prepared, computed, monkeypatch, busy):
     computed.clear()
     with monkeypatch.context() as patch:
         if busy == "rendering":
-            patch.setattr(prepared, "busy", lambda: True)
+            patch.setattr(prepared.activity, "is_rendering", lambda: True)
         else:
             patch.setattr(prepared.step_operators, "is_under_way", lambda: True)
         assert prepared.tick() > 0.0

@@ -227,11 +227,11 @@ def test_it_pauses_while_the_artist_looks_for_a_frame(artist, obj, monkeypatch):
     assert bpy.context.scene.frame_current == 1
 
 
-@pytest.mark.parametrize("what", ["is_playing", "is_operated", "is_painting", "busy"])
+@pytest.mark.parametrize("what", ["is_playing", "is_operated", "is_painting", "is_rendering"])
 def test_it_pauses_while_something_else_has_the_file(artist, obj, monkeypatch, what):
     at_frame(artist, 2)
     under_way = artist.jobs
-    owner = under_way.renders if what == "busy" else under_way.user_activity
+    owner = under_way.activity
     monkeypatch.setattr(owner, what, lambda: True)
     frame = bpy.context.scene.frame_current
     for _ in range(50):
@@ -239,7 +239,7 @@ def test_it_pauses_while_something_else_has_the_file(artist, obj, monkeypatch, w
     assert bpy.context.scene.frame_current == frame
     assert "pauses" in artist.work.line()
     under_way.cancel()
-    if what == "busy":  # a render is never interrupted
+    if what == "is_rendering":  # a render is never interrupted
         for _ in range(50):
             assert under_way.tick() == under_way.PAUSED
         monkeypatch.undo()

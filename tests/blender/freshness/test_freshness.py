@@ -219,7 +219,7 @@ def test_nothing_is_looked_at_meanwhile(waiting, busy, monkeypatch):
     elif busy == "under_way":
         monkeypatch.setattr(freshness.step_operators, "is_under_way", lambda: True)
     else:
-        monkeypatch.setattr(freshness.user_activity, "is_playing", lambda: True)
+        monkeypatch.setattr(freshness.activity, "is_playing", lambda: True)
     assert not looked(waiting)
     assert UNKNOWN in drawn()
     handlers.publish("render_ended")

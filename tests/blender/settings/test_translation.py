@@ -133,7 +133,9 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
     obj.dapple.seed, obj.dapple.report.worst_overlap = 7, 0.2
     bpy.context.scene.frame_set(1)
     monkeypatch.setattr(part(), "pgettext_iface", lambda message, context="*": f"«{message}»")
-    monkeypatch.setattr(addon_host.part("blender.base.labels"), "line_width", lambda _icon: 100_000)
+    monkeypatch.setattr(
+        addon_host.part("blender.base.sidebars"), "line_width", lambda _icon: 100_000
+    )
     known, lines = {message for _, message in messages.shown()}, []
 
     class Layout(test_panels.Layout):
@@ -160,7 +162,7 @@ ELSEWHERE = {
 def test_names_of_settings_fit_beside_their_values(locale):
     """In a sidebar as wide as Blender opens it: 84 pixels are shown, of more the end is cut."""
     texts = catalog(locale) if locale else {}
-    width_of = addon_host.part("blender.base.labels").width_of
+    width_of = addon_host.part("blender.base.sidebars").width_of
     tables = addon_host.part("core.settings.tables")
     wide = {}
     for setting in (one for group in tables.GROUPS.values() for one in group):
@@ -176,7 +178,7 @@ def test_names_of_settings_fit_beside_their_values(locale):
 @pytest.mark.skipif(not INTERNATIONAL, reason="this Blender is built without translations")
 def test_names_that_blender_translates_otherwise_fit_too(german):
     """Blender's words go before those of a catalog, unless a setting has its own."""
-    width_of = addon_host.part("blender.base.labels").width_of
+    width_of = addon_host.part("blender.base.sidebars").width_of
     tables = addon_host.part("core.settings.tables")
     settings = [one for group in tables.GROUPS.values() for one in group]
     said = {}
@@ -187,7 +189,7 @@ def test_names_that_blender_translates_otherwise_fit_too(german):
 
 
 def test_a_long_text_has_lines_that_fit():
-    labels, text = addon_host.part("blender.base.labels"), "Added points come down on the surface"
+    labels, text = addon_host.part("blender.base.sidebars"), "Added points come down on the surface"
     lines = labels.wrapped(text, 120.0)
     assert " ".join(lines) == text
     assert len(lines) > 1
