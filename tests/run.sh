@@ -234,7 +234,7 @@ slow_native='^(Consumer|Gradient|SamplerBands|Tracker)\.|RealMesh'
 slow_python=(tests/python/test_{animations,distribution,paper_report}.py)
 slow_blender=(
   tests/blender/test_{datablocks,examples,failures,hostile,libraries,package,undo}.py tests/blender/command/test_farm.py
-  tests/blender/{bake/test_contents_bake,bake/test_sidecar,freshness/test_contents,freshness/test_contents_kept}.py
+  tests/blender/{bake/test_contents_bake,bake/test_unfinished_bakes,freshness/test_contents,freshness/test_contents_kept}.py
 )
 
 [ -n "$zip" ] || scripts/setup.sh --dev

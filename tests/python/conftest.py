@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import dapple3d as dapple
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -62,4 +63,23 @@ def samples(surface) -> dapple.Samples:
 def torus(tmp_path, mesh) -> Path:
     path = tmp_path / "torus.ply"
     dapple.write_mesh(path, *mesh)
+    return path
+
+
+@pytest.fixture
+def archive(tmp_path, mesh) -> Path:
+    """An npz with densities at vertices, faces and corners."""
+    vertices, faces = mesh
+    path = tmp_path / "torus.npz"
+    sides = (vertices[faces][:, :, 0] > 0).astype(float)
+    np.savez(
+        path,
+        vertices=vertices,
+        faces=faces,
+        smooth=1.5 + vertices[:, 0],
+        half=sides.min(axis=1),
+        jumps=sides,
+        short=np.ones(7),
+        negative=np.full(len(vertices), -1.0),
+    )
     return path
