@@ -163,7 +163,8 @@ def test_what_cannot_be_kept_is_solved_anew(live, obj, change):
         obj.dapple.object_types[0].radius = 0.01
     elif change == "faces":
         surface.modifiers.new("Triangulate", "TRIANGULATE")
-        surface.modifiers.new("Subdivision", "SUBSURF")
+        # The limit surface at the poles, where 64 faces meet, takes Blender seconds.
+        surface.modifiers.new("Subdivision", "SUBSURF").use_limit_surface = False
     else:
         setattr(obj.dapple, change, {"seed": 3, "tolerance": 1e-4}[change])
     assert live.settle() == 1

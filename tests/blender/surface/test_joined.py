@@ -253,6 +253,7 @@ def test_a_character_that_is_instanced_is_scattered_on_where_the_instance_is(tmp
     bpy.context.view_layer.update()
     assert np.allclose(scenes.positions(obj)[:, 2], found[:, 2] + 2.0, atol=1e-5)
     assert reason(obj) == ""
+    bpy.context.scene.frame_end = 6
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     with pytest.raises(RuntimeError, match=r"linked from 'creature\.blend'"):
         bpy.ops.dapple.paint_density()
