@@ -76,9 +76,9 @@ Step = tuple[Callable[[], None], Callable[[], None]]  # what it adds, and what t
 
 
 def register() -> None:
-    """Add properties, operators, panel and menu entry: all of them, or none if one fails.
+    """Add properties, operators, panels and menu entries: all of them, or none if one fails.
 
-    Beside another enabled copy of the add-on, wait until that is disabled.
+    If another copy of the add-on is enabled, wait until that copy is disabled.
     """
     if duplicate_addon.other():
         duplicate_addon.wait(_register)
@@ -87,7 +87,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take back what register added, in reverse, also when some of that fails."""
+    """Remove in reverse order what register added, even if a part of it fails."""
     if duplicate_addon.waits():
         duplicate_addon.stop()
         return
@@ -107,7 +107,7 @@ def _register() -> None:
 
 
 def steps() -> list[Step]:
-    """What enabling the add-on does, and how each part is taken back."""
+    """The steps of enabling the add-on, each with its reverse."""
     first: Any = (translation, properties)
     listening = [module.SUBSCRIBER for module in _LISTENING]
     last: Any = (figure_images, keymaps, tool, export_operators, remesh_operators, entry)
@@ -137,6 +137,6 @@ def _remove_classes() -> None:
 
 
 def _describe(cls: Any) -> None:
-    """Have a tooltip be one line, whatever Python keeps of a docstring's indentation."""
+    """Make the tooltip of an operator a single line, without the indentation of its docstring."""
     if issubclass(cls, bpy.types.Operator):
         cls.bl_description = " ".join((cls.__doc__ or "").split())

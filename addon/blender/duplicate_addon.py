@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two enabled copies of the add-on, as from two repositories: they would take each other's names.
+"""Two enabled copies of the add-on, for example from two repositories, which would have the same
+names.
 
-The second adds nothing but a message in the preferences, and begins when the first is disabled.
+The second copy only adds a message to the preferences, and starts when the first one is disabled.
 """
 
 from collections.abc import Callable
@@ -26,7 +27,7 @@ _waiting = _Waiting()
 
 
 def other() -> str:
-    """Module of another copy that is enabled; empty when there is none."""
+    """Module of another enabled copy; empty if there is none."""
     shown = getattr(bpy.types, "DAPPLE_PT_main", None)
     package = "" if shown is None else shown.__module__.removesuffix(".blender.main_panel")
     return "" if package == PACKAGE else package
@@ -38,7 +39,7 @@ def waits() -> bool:
 
 
 def wait(begin: Callable[[], None]) -> None:
-    """Call begin when the other copy is disabled."""
+    """Call `begin` when the other copy is disabled."""
     _waiting.begin = begin
     bpy.utils.register_class(DAPPLE_AP_waiting)
     call_within(_POLL, check)
@@ -46,14 +47,14 @@ def wait(begin: Callable[[], None]) -> None:
 
 
 def stop() -> None:
-    """Wait no more."""
+    """Stop waiting."""
     _waiting.begin = None
     call_off(check)
     bpy.utils.unregister_class(DAPPLE_AP_waiting)
 
 
 def check() -> float | None:
-    """Begin if the other copy is gone; seconds until the next look."""
+    """Start if the other copy is gone; returns seconds until the next check."""
     if _waiting.begin is None:
         return None
     if other():
@@ -65,7 +66,7 @@ def check() -> float | None:
 
 
 def note(translate: Callable[..., str] = translated) -> str:
-    """The message for the artist meanwhile."""
+    """The message that is shown while this copy waits."""
     return translate(
         "Another copy of Dapple is enabled ('{other}'). This one ('{own}') does nothing "
         "until it is disabled",

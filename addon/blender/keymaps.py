@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keys: where their operator cannot run, they mean what they mean without the add-on."""
+"""Keyboard shortcuts. Where an operator cannot run, its key does what it does without
+the add-on.
+"""
 
 from typing import Any
 
@@ -15,7 +17,7 @@ _items: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 
 
 def register() -> None:
-    """Add them."""
+    """Add the shortcuts."""
     config = bpy.context.window_manager.keyconfigs.addon
     if config is None:  # in background mode
         return
@@ -25,7 +27,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Remove the shortcuts."""
     for keymap, item in _items:
         keymap.keymap_items.remove(item)
     _items.clear()

@@ -35,7 +35,7 @@ class Placed:
 
 @dataclass(frozen=True)
 class SceneInfo:
-    """What all files of an export have in common."""
+    """Data that all files of an export have in common."""
 
     times: list[float]  # numbers of the frames
     fps: float
@@ -65,13 +65,8 @@ def check_path(path: Path, frames: int) -> None:
 
 
 def write(path: Path, scatters: Sequence[Exported], scene_info: SceneInfo) -> list[Path]:
-    """Write all scatters into a file; a table holds one, so that several get a file each.
-
-    Returns:
-        The files.
-
-    Raises:
-        ScatterError: it cannot be written.
+    """Write all scatters into a file; tables contain a single scatter, so several scatters get a
+    file each.
     """
     try:
         if path.suffix.lower() in TABLES:
@@ -83,7 +78,7 @@ def write(path: Path, scatters: Sequence[Exported], scene_info: SceneInfo) -> li
 
 
 def skewed(scatters: Iterable[Exported]) -> int:
-    """How many instances are skewed, by the scale of an object above: files cannot hold that."""
+    """Number of instances with a skew, caused by the scale of a parent; files cannot store it."""
     part = _part("instances")
     frames = (frame for one in scatters for frame in one.frames[:1])
     return sum(int(part.of_matrices(frame.matrices)[1].sum()) for frame in frames)
@@ -104,7 +99,7 @@ def identifiers(names: Iterable[str]) -> list[str]:
 
 
 def reference(path: Path, prim: str) -> Any:
-    """A prototype that the written file holds."""
+    """A prototype that is stored in the written file."""
     return _part("instances").Reference(path, prim, held=True)
 
 
@@ -142,7 +137,7 @@ def _write_tables(path: Path, scatters: Sequence[Exported], scene_info: SceneInf
 
 
 def _instances(one: Exported, scene_info: SceneInfo) -> list[Any]:
-    """As dapple3d has them, with velocities if there are several frames."""
+    """Instances for dapple3d, with velocities if there are several frames."""
     part = _part("instances")
     found = [
         part.of_matrices(
@@ -161,7 +156,7 @@ def _instances(one: Exported, scene_info: SceneInfo) -> list[Any]:
 
 
 def _own_ids(frame: Placed) -> LongInts:
-    """Ids that differ where several objects of a collection stand on one point."""
+    """Distinct ids where several objects of a collection are at one point."""
     order = np.argsort(frame.ids, kind="stable")
     ordered = frame.ids[order]
     first = np.searchsorted(ordered, ordered)

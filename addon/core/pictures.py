@@ -78,7 +78,7 @@ class _Canvas:
             self.line(point, point, radius, color)
 
     def line(self, begin: Floats, end: Floats, radius: float, color: Floats) -> None:
-        """All pixels so near to a segment, as a share of the height."""
+        """Color the pixels within `radius` of a segment; lengths are shares of the height."""
         a, b, size = self._place(begin), self._place(end), radius * self._span[1]
         low = np.maximum(np.floor(np.minimum(a, b) - size).astype(int), 0)
         high = np.ceil(np.maximum(a, b) + size).astype(int)

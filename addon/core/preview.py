@@ -35,7 +35,7 @@ class Follower:
 
     @property
     def topology(self) -> str:
-        """Of the surface that is followed."""
+        """Topology of the followed surface."""
         return self._first.topology
 
     def check(self, surface: SurfaceArrays) -> None:
@@ -63,7 +63,7 @@ class Follower:
         return self.binding
 
     def advanced(self, vertices: Floats, budget: float, context: Any) -> Any:
-        """The tracker's samples; None, and the tracker as it was, if the time is over."""
+        """The tracker's samples; None if the time is over, with an unchanged tracker."""
         alarm = _Alarm(budget, context)
         try:
             with named(self._first.name):
@@ -91,5 +91,5 @@ class _Alarm:
         self._context.cancel()
 
     def stop(self) -> None:
-        """It rings no more."""
+        """Stop the alarm."""
         self._timer.cancel()

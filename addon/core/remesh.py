@@ -27,7 +27,7 @@ class OldMesh:
 
 @dataclass(frozen=True)
 class NewMesh:
-    """The new triangles, and where they lie on the old ones."""
+    """The new triangles, and their places on the old ones."""
 
     faces: Ints  # (m, 3)
     source: Ints  # (n,) the old triangle that each vertex lies on
@@ -59,12 +59,7 @@ class NewMesh:
 
 
 def remeshed(old: OldMesh, count: int, feature_angle: float, context: Any) -> NewMesh:
-    """Remesh, and find what each part of the new mesh lies on.
-
-    Raises:
-        ScatterError: the mesh has no faces with area, or is not finite.
-        StoppedError: it was cancelled.
-    """
+    """Remesh, and find the old faces and edges under each part of the new mesh."""
     if len(old.faces) == 0:
         raise ScatterError(f"'{old.name}' has no faces: a new mesh needs a surface")
     with named(old.name):

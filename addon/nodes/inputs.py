@@ -45,7 +45,7 @@ def set_input(modifier: bpy.types.NodesModifier, name: str, value: Any) -> None:
 
 
 def inputs_of(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
-    """All stored values of the inputs, by Blender's names."""
+    """All stored values of the inputs, by Blender's identifiers."""
     if hasattr(modifier, "properties"):
         inputs = modifier.properties.inputs
         names = [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scatters that come with copies of what they are on: they follow the copies."""
+"""Scatters that are copied together with their surface are moved to the copy of the surface."""
 
 from dataclasses import dataclass, field
 
@@ -24,7 +24,7 @@ _state = _State()
 
 
 def _updated(evaluation: Evaluation) -> None:
-    """Look at scatters that are new, and have the others know what they are on."""
+    """Move copied scatters to copied surfaces, and note the parts of the surfaces of others."""
     if is_quiet() or operator_jobs.current() is not None or activity.is_rendering():
         return
     for obj, _ in evaluation.objects():
@@ -57,7 +57,7 @@ SUBSCRIBER = Subscriber(
 
 
 def note_parts(scatter: bpy.types.Object) -> None:
-    """Have a scatter know the parts of its surface."""
+    """Store the parts of its surface with a scatter."""
     noted, surface = scatter.dapple.parts, scatter.dapple.surface
     entries = surface.dapple.joined.entries if is_joined(surface) else ()
     if noted.surface == surface and [*map(_object, noted.entries)] == [*map(_object, entries)]:
@@ -69,7 +69,7 @@ def note_parts(scatter: bpy.types.Object) -> None:
 
 
 def was_copied_with_parts(scatter: bpy.types.Object) -> bool:
-    """Whether a scatter is a copy, made with parts of its surface."""
+    """Whether a scatter is a copy that was made together with parts of its surface."""
     noted, surface = scatter.dapple.parts, scatter.dapple.surface
     if noted.surface is None or noted.surface != surface:
         return False
@@ -81,8 +81,8 @@ def was_copied_with_parts(scatter: bpy.types.Object) -> bool:
 
 
 def follow_parts(scatter: bpy.types.Object) -> None:
-    """Put a copied scatter on a surface of the parts that were copied with it, and of the others as
-    they are; scatters that were copied together are on the same one.
+    """Move a copied scatter to a surface of the copied parts and the other parts. Scatters that
+    were copied together share it.
     """
     surface = scatter.dapple.surface
     copies = {
@@ -103,7 +103,7 @@ def follow_parts(scatter: bpy.types.Object) -> None:
 
 
 def _take_tiles_along(scatter: bpy.types.Object, before: bpy.types.Object) -> None:
-    """Have tiles that were copied too be on the surface that the scatter is on now."""
+    """Move copied tiles to the scatter's new surface."""
     tiles, surface = scatter.dapple.tiles.object, scatter.dapple.surface
     others = (one for one in bpy.data.objects if one != scatter and is_scatter(one))
     if tiles is None or any(one.dapple.tiles.object == tiles for one in others):

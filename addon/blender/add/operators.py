@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that add a scatter: over what is selected, or over a collection as one surface."""
+"""Operators that add a scatter over selected objects, or over a collection as one surface."""
 
 from typing import Any
 
@@ -22,12 +22,12 @@ _ADDED_WITH = [setting for setting in SCATTER if setting.name in ("count", "seed
 
 
 class _AddOperator(StepsOperator):
-    """Adds a scatter, which is then active."""
+    """An operator that adds a scatter and makes it active."""
 
     properties: Any
 
     def given(self) -> dict[str, Any]:
-        """Settings that were given."""
+        """Settings that were passed to the operator."""
         names = [setting.name for setting in _ADDED_WITH]
         return {
             name: getattr(self, name) for name in names if self.properties.is_property_set(name)
@@ -48,7 +48,7 @@ class _AddOperator(StepsOperator):
 
 
 def _into_local_views(seen: bpy.types.Object, new: bpy.types.Object) -> None:
-    """Have a new object be seen wherever another one is, also where only some are."""
+    """Show a new object in each local view that shows another object."""
     areas = [area for window in bpy.context.window_manager.windows for area in window.screen.areas]
     for space in (area.spaces.active for area in areas if area.type == "VIEW_3D"):
         if space.local_view is not None and seen.visible_get(viewport=space):

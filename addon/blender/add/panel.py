@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The main panel of a surface: its scatters, a button to add one, the Add menu."""
+"""The main panel of a surface: list of its scatters, button to add one, the Add menu."""
 
 from dataclasses import dataclass
 
@@ -39,7 +39,7 @@ SCATTERS = CachedValue(_scatters, ())  # of a surface
 
 
 def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> None:
-    """The scatters of the active object, and what adds another one."""
+    """Draw the scatters of the active object, and the button to add one."""
     listed = SCATTERS.of(obj) if is_surface(obj) else ()
     name = obj.name if obj is not None else ""
     column = layout.column(align=True)
@@ -54,8 +54,9 @@ def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> No
 
 
 def _short(name: str, surface: str) -> str:
-    """A scatter's name as its surface lists it: most begin with the name of the surface, and what
-    tells them apart would be cut off."""
+    """A scatter's name without that of its surface, with which most begin; the rest would be cut
+    off.
+    """
     return name.removeprefix(f"{surface} ") or name
 
 
@@ -98,7 +99,7 @@ class DAPPLE_MT_over_collection(bpy.types.Menu):
 
 
 def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
-    """Entry of Add > Mesh."""
+    """Draw the entry of Add > Mesh."""
     add = DAPPLE_OT_add_scatter.bl_idname
     menu.layout.operator(add, text="Dapple Scatter", icon="OUTLINER_DATA_POINTCLOUD")
     if context.scene.collection.children:

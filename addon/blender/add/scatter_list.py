@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scatters of a surface: found, shown alone, copied, removed."""
+"""The scatters of a surface: listing, showing one alone, copying, removing."""
 
 from collections.abc import Iterable
 
@@ -22,7 +22,7 @@ from ..surface.joined_parts import is_joined, objects_of, parts_of
 
 
 def scatters_of(surface: bpy.types.Object) -> list[bpy.types.Object]:
-    """Those on a surface, or a part of one, that the view layer has, by their names."""
+    """The scatters on a surface or on a part of one, in the view layer."""
     there = bpy.context.view_layer.objects
     return [obj for obj in there if is_scatter(obj) and _is_on(obj.dapple.surface, surface)]
 
@@ -32,13 +32,15 @@ def _is_on(surface: bpy.types.Object | None, obj: bpy.types.Object) -> bool:
 
 
 def is_solo(obj: bpy.types.Object, scatters: Iterable[bpy.types.Object]) -> bool:
-    """Whether it is the only one of several scatters that the viewport shows."""
+    """Whether an object is the only one of several scatters that is shown in the viewport."""
     others = [one for one in scatters if one != obj]
     return bool(others) and not obj.hide_viewport and all(one.hide_viewport for one in others)
 
 
 def show_solo(obj: bpy.types.Object) -> None:
-    """Show no other scatter of the same surface in the viewport; once more, show all of them."""
+    """Hide the other scatters of the same surface in the viewport; if they are hidden,
+    show them.
+    """
     scatters = scatters_of(obj.dapple.surface)
     solo = is_solo(obj, scatters)
     for one in scatters:
@@ -59,7 +61,7 @@ def copied(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def _copy_keys(copy: bpy.types.Object) -> None:
-    """Have keys of its own, which it may lose alone."""
+    """Copy the keyframes, so that the copy can lose them alone."""
     modifier = scatter_modifier(copy)
     for name in STORES:
         there = modifier is not None and has_input(modifier, name)
@@ -84,7 +86,7 @@ def _remove(obj: bpy.types.Object) -> None:
 
 
 class _NamedOperator(AllOrNothing):
-    """Of the scatter with this name, otherwise of the active one."""
+    """An operator on the scatter with a given name, by default on the active one."""
 
     name: StringProperty(name="Name", description="Name of the scatter; if empty, the active one")
 
@@ -101,7 +103,7 @@ class _NamedOperator(AllOrNothing):
         return [self._scatter(context)]
 
     def work_on(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        """What is done with it."""
+        """Do the work on a scatter."""
         raise NotImplementedError
 
     def _scatter(self, context: bpy.types.Context) -> bpy.types.Object:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Add: a new scatter over a surface, and how much of the Default preset fits there."""
+"""Add: a new scatter over a surface, with the settings of the Default preset that fit there."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -28,7 +28,7 @@ from ..surface.rest_position import kind_of_binding, rest_position, rest_positio
 
 @dataclass(frozen=True)
 class Added:
-    """What Add has made."""
+    """The result of Add."""
 
     obj: bpy.types.Object
     note: str  # skipped settings of the Default preset, and why; empty if none
@@ -45,9 +45,10 @@ class _Solved:
 def add_steps(
     context: bpy.types.Context, collection: bpy.types.Collection | None = None, **chosen: Any
 ) -> Steps:
-    """Scatter over what is selected, or over a collection; returns what was Added.
+    """Scatter over the selected objects or a collection; returns Added.
 
-    What is not chosen (count, seed, attach_to) is as in the Default preset, as far as that fits.
+    Settings that are not given (count, seed, attach_to) are those of the Default preset, as far as
+    they fit.
     """
     with surface_over(context, collection) as surface, rest_position_kept(surface):
         values, note = first_values(surface.get(), context)
@@ -60,7 +61,9 @@ def add_steps(
 
 
 def _as_far_as_it_fits(surface: ObjectHandle, preset: Values, chosen: dict[str, Any]) -> Any:
-    """The first of what the preset makes with less and less of it, and what is said of that."""
+    """The first solution with fewer and fewer settings of the preset, and a note of the skipped
+    ones.
+    """
     first: ScatterError | None = None
     for values, left_out in fallbacks(preset, chosen):
         try:
@@ -95,7 +98,7 @@ def _solved(surface: ObjectHandle, values: Values) -> Any:
 
 @contextmanager
 def _new(surface: bpy.types.Object) -> Iterator[bpy.types.Object]:
-    """A new scatter object, which is gone again if what is done with it fails."""
+    """A new scatter object, which is removed if the code inside fails."""
     groups = set(bpy.data.node_groups)
     obj = new_scatter(surface, *home_of(surface, bpy.context))
     try:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scatters that come from assets: they are put on the surface that they were dropped on, or on the
-one that the artist chooses, and solved as Optimize does.
+"""Scatters from assets: they are placed on the surface on which they were dropped, or on the one
+that the artist chooses, and solved like Optimize.
 
-Handlers only note that something came; a timer looks at it once Blender has made its undo step.
+Handlers only note that a scatter appeared. A timer places it after Blender has made its undo step.
 """
 
 from collections.abc import Collection, Iterator
@@ -31,7 +31,7 @@ _DOWN = Vector((0.0, 0.0, -1.0))
 
 @dataclass
 class _State:
-    """What the timer and the handlers share, by session_uid."""
+    """State that the timer and the handlers share, by session_uid."""
 
     known: set[int] = field(default_factory=set)  # scatters without points that were there before
     chosen: set[int] = field(default_factory=set)  # scatters that were given a surface
@@ -43,12 +43,12 @@ _state = _State()
 
 
 def note(obj: bpy.types.Object) -> str:
-    """Which settings of a scatter did not fit the surface that it was placed on."""
+    """Settings of a scatter that did not fit the surface on which it was placed."""
     return _state.notes.get(obj.session_uid, "")
 
 
 def target_surface(obj: bpy.types.Object) -> bpy.types.Object:
-    """The surface that a scatter is meant for; ScatterError where nobody knows."""
+    """The surface for a dropped scatter; ScatterError if none is found."""
     active = next((one for one in bpy.data.objects if one.session_uid == _state.active), None)
     found = surface_at(obj.matrix_world.translation, instanced(obj), active)
     if found is None:
@@ -57,14 +57,18 @@ def target_surface(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def touch(obj: bpy.types.Object) -> None:
-    """A setting of a scatter was changed: if it has a surface and no points yet, it gets some."""
+    """Note that a setting of a scatter has changed: it is solved if it has a surface
+    but no points.
+    """
     if auto_update.enabled and is_unsolved(obj) and obj.dapple.surface is not None:
         _state.chosen.add(obj.session_uid)
         call_within(0.0, check)
 
 
 def check() -> float | None:
-    """Place what has come and what was given a surface; seconds until the next time."""
+    """Place new scatters and those that were given a surface; returns seconds until the
+    next call.
+    """
     if is_blocked() or is_operated():
         return _BLOCKED_PAUSE
     for obj in _waiting():
@@ -107,7 +111,7 @@ def _place(obj: bpy.types.Object, surface: bpy.types.Object | None) -> None:
 
 
 def _updated(evaluation: Evaluation) -> None:
-    """Note what has come, and what is active."""
+    """Note new scatters and the active object."""
     if not auto_update.enabled or is_quiet():
         return
     active = bpy.context.view_layer.objects.active
@@ -118,28 +122,30 @@ def _updated(evaluation: Evaluation) -> None:
             call_within(0.0, check)
 
 
-def _know_all() -> None:
-    """A file that is opened stays as it is."""
+def _note_existing() -> None:
+    """Note the scatters of a file that was opened, which stay unchanged."""
     vars(_state).update(vars(_State()))
     _state.known = {obj.session_uid for obj in bpy.data.objects if is_unsolved(obj)}
 
 
 def _undone() -> None:
-    """An undo may have taken back a surface that is being solved."""
+    """Forget scatters whose surface an undo has removed."""
     for obj in bpy.data.objects:
         if is_unsolved(obj) and obj.dapple.surface is None:
             auto_update.forget(obj)
 
 
 SUBSCRIBER = Subscriber(
-    updated=_updated, loaded=_know_all, undone=_undone, enabled=_know_all, ticks=(check,)
+    updated=_updated, loaded=_note_existing, undone=_undone, enabled=_note_existing, ticks=(check,)
 )
 
 
 def surface_at(
     place: Vector, skipped: Collection[bpy.types.Object], otherwise: bpy.types.Object | None
 ) -> bpy.types.Object | None:
-    """What a place lies on, else what is below it, else the given object; None: nobody knows."""
+    """The surface at a place, or the next one below it, or the given object; None if
+    there is none.
+    """
     there = [
         obj
         for obj in bpy.context.view_layer.objects
@@ -155,7 +161,9 @@ def _nearest(place: Vector, there: list[bpy.types.Object]) -> bpy.types.Object |
 
 
 def _distance(place: Vector, obj: bpy.types.Object) -> Iterator[float]:
-    """How far a place is from an object, if it lies on it; boxes are quick to look at."""
+    """Distance of a place from an object that it lies on. The bounding box is checked first, which
+    is quick.
+    """
     corners = [obj.matrix_world @ Vector(corner) for corner in obj.bound_box]
     low, high = (Vector(map(pick, zip(*corners, strict=True))) for pick in (min, max))
     near = _NEAR * (high - low).length

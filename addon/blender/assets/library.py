@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node groups and ready scatters as an asset library of the preferences, if the user wants that."""
+"""Node groups and ready scatters as an asset library in the preferences, if the user adds it."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +17,7 @@ ASSETS_FILE = "dapple_nodes.blend"
 
 
 def missing_assets() -> str:
-    """Why there is no library to add; empty when there is one."""
+    """Why there is no library to add; empty if there is one."""
     if (FOLDER / ASSETS_FILE).is_file():
         return ""
     return translated(
@@ -27,13 +27,13 @@ def missing_assets() -> str:
 
 
 def library() -> bpy.types.UserAssetLibrary | None:
-    """The entry of the preferences that leads to the assets."""
+    """The entry of the preferences for the assets."""
     libraries = bpy.context.preferences.filepaths.asset_libraries
     return next((one for one in libraries if one.path and Path(one.path) == FOLDER), None)
 
 
 def remove() -> None:
-    """Take the assets out of the preferences."""
+    """Remove the assets from the preferences."""
     found = library()
     if found is not None:
         bpy.context.preferences.filepaths.asset_libraries.remove(found)
@@ -74,7 +74,7 @@ class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
 
 
 def _append(added: bpy.types.UserAssetLibrary) -> None:
-    """Have its assets be appended: a linked scatter could not be placed."""
+    """Set the library to append its assets, since a linked scatter could not be placed."""
     try:
         added.import_method = "APPEND_REUSE"
     except TypeError:  # Blender 5.2 lists it, but takes it no more
@@ -100,7 +100,7 @@ class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
 
 
 def unregister() -> None:
-    """Take the library back if the user asked for that."""
+    """Remove the library if the preferences say so."""
     addon = bpy.context.preferences.addons.get(base.PACKAGE)
     wanted = addon is not None and addon.preferences is not None
     if wanted and addon.preferences.remove_library:
@@ -109,7 +109,9 @@ def unregister() -> None:
 
 @dataclass(frozen=True)
 class Assets:
-    """Whether the node groups are an asset library, and why they cannot be; empty: they can."""
+    """Whether the asset library is in the preferences, and why it cannot be added;
+    empty if it can.
+    """
 
     there: bool = False
     trouble: str = ""

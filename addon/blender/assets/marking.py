@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mark as Asset: a copy of a scatter that any surface can have.
+"""Mark as Asset: a copy of a scatter for any surface.
 
-It has the settings, the object types and what they instance, but no points, no bake and nothing of
-the place that it was made for: else appending it would bring the surface along.
+It has the settings, the object types and their objects, but no points, no bake and no reference to
+the original surface, which would otherwise be appended too.
 """
 
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ _KEPT |= {"object_types", "object_type_index", "weights"}  # what is listed
 
 
 def marked(obj: bpy.types.Object) -> bpy.types.Object:
-    """A new asset made of a scatter, which stays as it is."""
+    """A new asset made from a scatter, which is not changed."""
     asset = obj.copy()
     asset.name = f"{obj.name} Asset"
     asset.data = empty_mesh(asset.name)
@@ -56,12 +56,12 @@ def instanced(obj: bpy.types.Object) -> set[bpy.types.Object]:
 
 
 def _kinds(obj: bpy.types.Object) -> list[bpy.types.PropertyGroup]:
-    """What has something to instance: the scatter, and each object type."""
+    """The properties that can have instances: the scatter itself, and its object types."""
     return [obj.dapple, *obj.dapple.object_types]
 
 
 def _clear_place(asset: bpy.types.Object, obj: bpy.types.Object) -> None:
-    """Hold on to nothing that is where the scatter is."""
+    """Remove references to the place of the original scatter."""
     gone = {obj.dapple.surface, obj.parent}
     asset.parent = None
     asset.matrix_world.identity()
@@ -89,7 +89,7 @@ def _object_inputs(modifier: bpy.types.Modifier) -> Iterator[str]:
 
 
 def _clear_result(asset: bpy.types.Object) -> None:
-    """Know of no points: what is no setting is of a result."""
+    """Reset all properties that are not settings, since they describe a result."""
     settings = {setting.name for setting in GROUPS[""]}
     for prop in asset.dapple.bl_rna.properties:
         if prop.identifier not in settings | _KEPT:
@@ -97,10 +97,10 @@ def _clear_result(asset: bpy.types.Object) -> None:
 
 
 def collect_instances(asset: bpy.types.Object) -> None:
-    """Put what is instanced into a hidden collection of the asset's own.
+    """Put the instanced objects into a hidden collection of the asset.
 
-    Blender puts appended objects into the scene, those of a collection with it, which it looks for
-    beside each object: so that it finds the hidden one, all objects are in that one itself.
+    When Blender appends an asset, it also appends the collection of an object and puts its objects
+    into the scene. So that it finds the hidden collection, all objects are directly in it.
     """
     parts = bpy.data.collections.new(f"{asset.name} Instances")
     parts.hide_viewport = parts.hide_render = True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scatters as assets: making one, and placing one that was dropped into a scene."""
+"""Operators of assets: Mark as Asset, and placing a scatter that was dropped into a scene."""
 
 from contextlib import suppress
 from typing import Any
@@ -45,9 +45,9 @@ class DAPPLE_OT_mark_asset(AllOrNothing, bpy.types.Operator):
 
 
 def _draw_preview(context: bpy.types.Context, asset: bpy.types.Object) -> None:
-    """Have Blender draw what the active scatter instances, as the asset itself shows nothing.
+    """Render the preview of an asset from the active scatter, as the asset itself has no points.
 
-    An asset without a picture is one, too.
+    The asset is valid without a preview.
     """
     draw = bpy.ops.ed.lib_id_generate_preview_from_object
     with context.temp_override(id=asset), suppress(AttributeError, RuntimeError):
@@ -76,7 +76,7 @@ class DAPPLE_OT_place_scatter(StepsOperator, bpy.types.Operator):
         return is_unsolved(context.object)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        """Leave it to the background, which makes the undo step once the points are there."""
+        """Start the work in the background; it makes an undo step at its end."""
         if jobs.at_once:
             return self.execute(context)
         return tried(self, context, lambda: self._choose(context))
@@ -102,7 +102,7 @@ class DAPPLE_OT_place_scatter(StepsOperator, bpy.types.Operator):
 
 
 def draw_placing(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bool:
-    """The question for a surface; False: it has one."""
+    """Draw the choice of a surface; False if the scatter has one."""
     if dropped.note(obj):
         lines_of(layout, dropped.note(obj), "INFO")
     if not is_unsolved(obj) or obj.dapple.surface is not None:

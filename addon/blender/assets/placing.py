@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Placing a scatter that comes from an asset: a surface, and settings that the surface can have."""
+"""Placing a scatter from an asset on a surface, without settings that the surface cannot have."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -22,9 +22,9 @@ from .marking import empty_mesh
 
 
 def place(obj: bpy.types.Object, surface: bpy.types.Object) -> str:
-    """Give a scatter without points a surface; what is said of settings that do not fit there.
+    """Give a scatter without points a surface; returns a note of settings that do not fit there.
 
-    It has a mesh of its own from then on: the next scatter of the same asset may take the old one.
+    The scatter gets its own mesh, as the next scatter of the same asset may use the old one.
     """
     reasons: list[str] = []
     if obj.dapple.surface != surface:
@@ -44,7 +44,7 @@ def place(obj: bpy.types.Object, surface: bpy.types.Object) -> str:
 
 
 def place_steps(context: bpy.types.Context, surface: bpy.types.Object) -> Steps:
-    """Place the active scatter and solve it; returns what is said of settings that do not fit."""
+    """Place the active scatter and solve it; returns a note of settings that do not fit."""
     handle, before = ObjectHandle(context.object), _AssetState.of(context.object)
     try:
         note = place(context.object, surface)
@@ -62,7 +62,9 @@ def _own_mesh(obj: bpy.types.Object) -> None:
 
 
 def _remove(before: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
-    """Remove the previous mesh from the file if nothing else has it; the other has its name."""
+    """Remove the previous mesh from the file if nothing uses it, and give its name to
+    the new one.
+    """
     if not before.users:
         name = before.name
         bpy.data.meshes.remove(before)
@@ -89,7 +91,7 @@ def fit_classes(obj: bpy.types.Object, reasons: list[str]) -> None:
 
 @dataclass(frozen=True)
 class _AssetState:
-    """What a scatter was before it was placed."""
+    """The state of a scatter before it was placed."""
 
     surface: bpy.types.Object | None
     matrix: Matrix

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the command line understands; docs/farm.md tells users."""
+"""Arguments of the command line; docs/farm.md describes them for users."""
 
 import argparse
 import re
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Arguments(argparse.Namespace):
-    """A command line, read; each verb has some of these."""
+    """A parsed command line; each verb has some of these arguments."""
 
     verb: str
     scatters: list[str]  # none: all
@@ -31,19 +31,19 @@ class Arguments(argparse.Namespace):
 
 
 def parsed(arguments: list[str]) -> Arguments:
-    """A command line; SystemExit with the exit code where there is nothing to do."""
+    """Parse a command line; SystemExit with the exit code if there is nothing to do."""
     options = parser().parse_args(arguments, Arguments())
     options.scatters = list(filter(None, options.scatters))
     return options
 
 
 def path(text: str) -> Path | None:
-    """A file; None if it is empty. So a template of a job may have all options."""
+    """Path of a file; None if the text is empty, so that a job template may contain all options."""
     return Path(text) if text else None
 
 
 def frames(text: str) -> tuple[int, int] | None:
-    """First and last frame, of "1-250" or of "7"; None if it is empty."""
+    """First and last frame of "1-250" or "7"; None if the text is empty."""
     if not text:
         return None
     found = _FRAMES.fullmatch(text)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command on Blender's command line: work on all scatters, exit codes, report."""
+"""The command on Blender's command line: it processes scatters, writes a report and returns an exit
+code.
+"""
 
 import json
 import time
@@ -36,7 +38,7 @@ _state = _State()
 
 
 def main(arguments: list[str]) -> int:
-    """Run a command line on the file that is open; the exit code."""
+    """Run a command line on the open file; returns the exit code."""
     try:
         options = parsed(arguments)
     except SystemExit as end:
@@ -47,7 +49,7 @@ def main(arguments: list[str]) -> int:
 
 @dataclass
 class _Run:
-    """One command."""
+    """One run of the command."""
 
     options: Arguments
     signals: SignalHandler
@@ -60,7 +62,7 @@ class _Run:
         self.verb = VERBS[self.options.verb]
 
     def all(self) -> int:
-        """Do it for all scatters, and report; the exit code."""
+        """Process all scatters and write the report; returns the exit code."""
         begin = time.monotonic()
         self._attempt(self._work)
         code = self._code()
@@ -87,7 +89,7 @@ class _Run:
             self.printer.done()
 
     def _is_worth_saving(self) -> bool:
-        """Whether something was done, or another file is to hold what was done before."""
+        """Whether the file has changed, or is to be saved under another name."""
         copied = self.options.output is not None and not self._code()
         return copied or any(map(_has_changed, self.found))
 
@@ -99,7 +101,7 @@ class _Run:
             self.printer.error(str(error))
 
     def _do(self, group: list[bpy.types.Object]) -> None:
-        """The work on scatters; what goes wrong there does not keep others from theirs."""
+        """Process scatters; an error does not stop the work on other scatters."""
         names, begin = [obj.name for obj in group], time.monotonic()
         facts = self._outcome(group) | {"seconds": time.monotonic() - begin}
         found = [{"name": name, **facts} for name in names]
@@ -156,7 +158,7 @@ def _is_wrong(facts: Facts) -> bool:
 
 
 def is_registered() -> bool:
-    """Whether Blender knows the command."""
+    """Whether the command is registered in Blender."""
     return _state.handle is not None
 
 
@@ -166,14 +168,14 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take it back."""
+    """Remove the command."""
     if _state.handle is not None:
         bpy.utils.unregister_cli_command(_state.handle)
         _state.handle = None
 
 
 def write_report(path: Path, verb: str, facts: dict[str, Any]) -> None:
-    """Write what was done; OSError where that fails."""
+    """Write the report; OSError if that fails."""
     report = {
         "format": FORMAT,
         "command": verb,

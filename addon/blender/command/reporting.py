@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a command says while it works, and how it is asked to stop."""
+"""Messages of the command while it works, and signals that stop it."""
 
 import signal
 import sys
@@ -17,7 +17,9 @@ _SIGNALS = [getattr(signal, name) for name in _NAMES if hasattr(signal, name)]
 
 
 class SignalHandler:
-    """Signals as wishes to stop: what is being written is written, what is solved is kept."""
+    """Signals that stop the command after current files are written and solved frames
+    are stored.
+    """
 
     number = 0  # of the last one
 
@@ -35,7 +37,7 @@ class SignalHandler:
 
 @dataclass
 class ProgressPrinter:
-    """Lines on stderr: how far the work on several scatters is."""
+    """Prints the progress of work on several scatters to stderr."""
 
     form: str = "text"
     quiet: bool = False
@@ -45,7 +47,7 @@ class ProgressPrinter:
     _when: float = field(default=-_PRINT_PAUSE)
 
     def progress(self, name: str, frame: int, share: float) -> None:
-        """So much of a scatter is done."""
+        """Print the progress of a scatter."""
         percent = int(100.0 * (self.at + share) / max(self.count, 1))
         now = time.monotonic()
         if self.quiet or percent == self._percent or now - self._when < _PRINT_PAUSE:
@@ -54,21 +56,21 @@ class ProgressPrinter:
         self._percentage(percent, f"'{name}', frame {frame}")
 
     def done(self) -> None:
-        """All of the work."""
+        """Print that all work is done."""
         if not self.quiet:
             self._percentage(100, "done")
 
     def line(self, text: str) -> None:
-        """Something that happened."""
+        """Print an event."""
         if not self.quiet:
             _print(f"openjd_status: {text}" if self.form == "openjd" else f"Dapple: {text}")
 
     def error(self, text: str) -> None:
-        """Something that went wrong."""
+        """Print an error."""
         _print(f"Error: Dapple: {text}")
 
     def warning(self, text: str) -> None:
-        """Something that was done, but not quite as asked for."""
+        """Print a warning: the work was done, but not exactly as requested."""
         _print(f"Warning: Dapple: {text}")
 
     def _percentage(self, percent: int, text: str) -> None:
@@ -78,7 +80,7 @@ class ProgressPrinter:
 
 
 def run_reporting(steps: Steps, signals: SignalHandler, show: Any) -> Any:
-    """Run steps, telling the share that is done; StoppedError after a signal."""
+    """Run steps and show their progress; StoppedError after a signal."""
     stepper = Stepper(steps)
     try:
         while not stepper.poll(wait=_POLL):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The file that is open: its scatters, and how it is saved as a whole or not at all."""
+"""The open file: its scatters, and saving it completely or not at all."""
 
 import shutil
 from contextlib import suppress
@@ -20,7 +20,7 @@ Stamp = tuple[int, int]
 
 
 class Shot:
-    """The open file, as it was when the command began."""
+    """The open file at the start of the command."""
 
     def __init__(self, options: Arguments) -> None:
         self._check(options)
@@ -30,7 +30,7 @@ class Shot:
         self.scatters = _chosen(options.scatters)
 
     def save(self) -> None:
-        """Write the file; what there was before stays where that fails."""
+        """Save the file; if that fails, the previous file stays."""
         if self.target == self.path and _stamp(self.path) != self._stamp:
             raise ScatterError(
                 f"'{self.path}' was changed by another program meanwhile: it was not saved. Run "
@@ -48,7 +48,7 @@ class Shot:
         self._tidy()
 
     def _disk_space_note(self) -> str:
-        """What the disk has left, if it is little: Blender finds other words for a full disk."""
+        """The free space of the disk if it is small: Blender reports a full disk unclearly."""
         try:
             free = shutil.disk_usage(self.target.parent).free
             needed = self.path.stat().st_size
@@ -57,7 +57,7 @@ class Shot:
         return f" ({free / 1e6:.1f} MB are left on the disk)" if free < 2 * needed else ""
 
     def _tidy(self) -> None:
-        """Remove the work files of bakes that the saved file holds."""
+        """Remove the work files of bakes that are in the saved file."""
         if self.target == self.path:
             saved(str(self.path))
         else:
@@ -82,7 +82,7 @@ class Shot:
 
 
 def _stamp(path: Path) -> Stamp | None:
-    """Tells contents of a file apart; None where there is none."""
+    """Identifies the contents of a file; None if there is no file."""
     with suppress(OSError):
         found = path.stat()
         return found.st_mtime_ns, found.st_size
@@ -90,7 +90,7 @@ def _stamp(path: Path) -> Stamp | None:
 
 
 def _chosen(names: list[str]) -> list[bpy.types.Object]:
-    """The scatters of these names; without names all of the scene that can be written."""
+    """The scatters with these names; without names all writable ones of the scene."""
     there = {obj.name: obj for obj in filter(is_scatter, bpy.context.scene.objects)}
     for name in names:
         if name not in there:
@@ -105,7 +105,7 @@ def _chosen(names: list[str]) -> list[bpy.types.Object]:
 
 
 def _trouble(obj: bpy.types.Object) -> str:
-    """Why a scatter cannot be worked on."""
+    """Why a scatter cannot be processed."""
     if not is_in_view_layer(obj):
         layer = bpy.context.view_layer.name
         return f"Scatter '{obj.name}' is not in the view layer '{layer}'"

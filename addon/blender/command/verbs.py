@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is done with one scatter, as steps that return what the report says of it."""
+"""The verbs of the command: steps on scatters that return their part of the report."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -32,7 +32,7 @@ _NOTHING = Task(lambda _: None)
 
 @dataclass(frozen=True)
 class Verb:
-    """One of the things that can be done."""
+    """A verb of the command."""
 
     steps: Callable[[list[bpy.types.Object], Arguments], Steps]  # context.object is the first
     saves: bool = False  # whether the file is changed
@@ -76,7 +76,7 @@ def _check(group: list[bpy.types.Object], options: Arguments) -> Steps:
 
 
 def _export(group: list[bpy.types.Object], options: Arguments) -> Steps:
-    """As File > Export does it."""
+    """Export like File > Export."""
     yield PAUSE
     written = export_points(options.file, group, _exported_frames(options))
     left = f"Left out because they are not meshes: {', '.join(written.left_out)}"
@@ -89,14 +89,14 @@ def _export(group: list[bpy.types.Object], options: Arguments) -> Steps:
 
 
 def _exported_frames(options: Arguments) -> list[int]:
-    """None: the one that the file shows."""
+    """Numbers of the frames; empty for the current frame."""
     if options.frames is not None:
         return list(range(options.frames[0], options.frames[1] + 1))
     return [] if options.frame is None else [options.frame]
 
 
 def _why_not_current(obj: bpy.types.Object, options: Arguments, needs_bake: bool) -> Any:
-    """Why a scatter is not up to date; empty when it is."""
+    """Why a scatter is not up to date; empty if it is."""
     if is_unsolved(obj):
         return "It has no points yet: optimize"
     if needs_bake and not obj.dapple.baked_keys:
@@ -118,7 +118,7 @@ def _range(options: Arguments) -> tuple[int, int]:
 
 @contextmanager
 def _range_shown(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None]:
-    """With these frames as those of the scene, which a bake is compared with."""
+    """Use these frames as the range of the scene, with which a bake is compared."""
     before = scene.frame_start, scene.frame_end
     try:
         scene.frame_start, scene.frame_end = first, last
@@ -136,8 +136,8 @@ VERBS = {
 
 
 def stale_in(obj: bpy.types.Object, first: int, last: int) -> Any:
-    """Steps that return why a result does not fit, in the first frame where it does not; empty
-    when it fits. A scatter without a bake is compared in the frame in which it was optimized.
+    """Steps that return why a result does not fit in the first frame where it does not; empty if it
+    fits. A scatter without a bake is compared in the frame in which it was optimized.
     """
     scene, snapshot = bpy.context.scene, SceneSnapshot()
     times = _times(obj, scene, first, last)

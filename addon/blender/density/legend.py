@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The legend of colors in the corner of a 3D View: a ramp with what its ends stand for."""
+"""The legend of colors in the corner of a 3D View: a color ramp with the values of its ends."""
 
 from typing import Any
 
@@ -17,8 +17,8 @@ _FONT = 0
 
 
 def draw(title: str, low: str, high: str, scale: float) -> None:
-    """Into the region that is drawn, at its lower left, right of the toolbar; the scale is that of
-    the interface.
+    """Draw the legend in the current region, at its lower left, right of the toolbar. `scale` is
+    that of the interface.
     """
     left, bottom = _toolbar() + EDGE * scale, EDGE * scale
     blf.size(_FONT, LETTER * scale)
@@ -31,7 +31,7 @@ def draw(title: str, low: str, high: str, scale: float) -> None:
 
 
 def strip(width: float, height: float) -> tuple[Singles, Singles]:
-    """Corners (k, 2) of triangles of a ramp that lies at the origin, and their colors (k, 4)."""
+    """Corners (k, 2) of the triangles of a color ramp at the origin, and their colors (k, 4)."""
     steps, colors = ramp()
     low = np.column_stack([steps * width, np.zeros(len(steps))])
     high = low + np.array([0.0, height])
@@ -53,7 +53,7 @@ def _strip(left: float, bottom: float, scale: float) -> None:
 
 
 def _text(text: str, left: float, bottom: float) -> None:
-    """White with a shadow, to be read on any ground."""
+    """Draw white text with a shadow, readable on any background."""
     blf.enable(_FONT, blf.SHADOW)
     blf.shadow(_FONT, 5, 0.0, 0.0, 0.0, 0.9)
     blf.color(_FONT, 1.0, 1.0, 1.0, 1.0)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The density as colors over the surface, in the viewport only.
 
-Handlers and property updates only note that something changed. Once nothing has changed for a
-moment, an app timer reads the surface part by part and a worker computes the colors; until they
-are there, drawing shows what was computed last. Nothing is computed while Blender renders.
+Handlers and property updates only note changes. A moment after the last change, a timer reads the
+surface in parts and a worker computes the colors; until then the last colors are drawn. Nothing is
+computed while Blender renders.
 """
 
 import time
@@ -40,7 +40,7 @@ Part = tuple[Singles, Singles]  # positions and colors of corners
 
 @dataclass
 class _Shown:
-    """The scatter whose density is shown, and its triangles."""
+    """The scatter whose density is shown, with its triangles."""
 
     scatter: ObjectHandle | None = None
     request: Request | None = None
@@ -66,16 +66,16 @@ def is_on(obj: bpy.types.Object) -> bool:
 
 
 def note() -> str:
-    """Why the density is not shown, or not yet; empty if it is."""
+    """Why the density is not shown; empty if it is."""
     if _shown.scatter is not None and _shown.legend is None:
         return translated("The density is being computed")
     return _shown.end_reason
 
 
 def start(obj: bpy.types.Object) -> None:
-    """Show the density of a scatter; ScatterError if it has none that can be computed.
+    """Show the density of a scatter; ScatterError if it cannot be computed.
 
-    Blender with windows finds that out while the artist goes on, and the panel says it.
+    If there are windows, this is checked in the background, and the panel shows the error.
     """
     stop()
     _shown.scatter, _shown.end_reason = ObjectHandle(obj), ""
@@ -95,7 +95,7 @@ def start(obj: bpy.types.Object) -> None:
 
 
 def stop() -> None:
-    """Show no density."""
+    """Stop showing a density."""
     _give_up()
     for handle in _shown.handles:
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
@@ -221,10 +221,7 @@ def _parts(positions: Singles, colors: Singles) -> list[Part]:
 
 
 def _upload(shader: Any) -> None:
-    """One more part, as the graphics card takes them only while it draws.
-
-    The newest colors are drawn in place of the old ones when all of them are there.
-    """
+    """Upload one more part; the graphics card accepts data only while drawing."""
     if not _shown.waiting:
         return
     positions, colors = _shown.waiting.pop(0)

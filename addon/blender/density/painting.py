@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painting a vertex group of a scatter's surface, and back to the scatter.
-
-The scene remembers the name of the scatter, so that undo, redo and a file that is saved meanwhile
-do too. Whether it is painted is looked up: Weight Paint may be left without the add-on.
-"""
+"""Painting a vertex group of a scatter's surface, and returning to the scatter."""
 
 import itertools
 
@@ -19,7 +15,7 @@ from ..surface.joined_parts import parts_of
 
 
 def painted_scatter(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The scatter whose surface is in Weight Paint mode because of it."""
+    """The scatter whose surface is in Weight Paint mode for it."""
     if context.mode != "PAINT_WEIGHT":
         return None
     obj = context.view_layer.objects.get(context.scene.dapple_painted)
@@ -29,7 +25,7 @@ def painted_scatter(context: bpy.types.Context) -> bpy.types.Object | None:
 
 
 def painted_group(context: bpy.types.Context) -> tuple[str, Painted | None]:
-    """The vertex group that strokes change, and what it is for the scatter that is painted."""
+    """The active vertex group, and how the painted scatter uses it."""
     scatter, group = painted_scatter(context), context.object.vertex_groups.active
     if scatter is None or group is None:
         return "", None
@@ -74,7 +70,7 @@ def _new_name(wished: str, parts: list[bpy.types.Object]) -> str:
 
 
 def _activate_group(obj: bpy.types.Object, name: str, weight: float) -> None:
-    """Have strokes on an object change a vertex group; a new one has this weight everywhere."""
+    """Make a vertex group of an object the active one; a new one has this weight everywhere."""
     group = obj.vertex_groups.get(name)
     if group is None:
         group = obj.vertex_groups.new(name=name)
@@ -129,7 +125,7 @@ def _check_seen(surface: bpy.types.Object, context: bpy.types.Context) -> None:
 
 
 def _check_named(scatter: bpy.types.Object, parts: list[bpy.types.Object], named: str) -> None:
-    """What is used already is replaced by nothing else."""
+    """ScatterError if a density already uses something that is not a vertex group."""
     if named and not any(named in part.vertex_groups for part in parts):
         raise ScatterError(
             f"'{scatter.name}' uses '{named}', which is not a vertex group of surface "

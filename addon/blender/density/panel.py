@@ -137,7 +137,7 @@ def _draw_ends(box: bpy.types.UILayout, density: bpy.types.AnyType, mask: str) -
 
 
 def _draw_note(box: bpy.types.UILayout, obj: bpy.types.Object, switch: str) -> None:
-    """Why a mask that is on has no effect."""
+    """Draw why an enabled mask has no effect."""
     density = obj.dapple.density
     if switch == "use_distance" and not (density.distance_object or density.distance_collection):
         lines_of(box, translated("No effect yet: choose an object or a collection"), "INFO")
@@ -148,7 +148,7 @@ def _draw_note(box: bpy.types.UILayout, obj: bpy.types.Object, switch: str) -> N
 
 
 def _draw_material_note(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """Which of the chosen materials the surface does not have."""
+    """Draw which of the chosen materials the surface does not have."""
     chosen = [material_name(one) for one in obj.dapple.density.materials]
     there = MATERIALS.of(obj)
     if not chosen:
@@ -159,7 +159,7 @@ def _draw_material_note(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
 
 
 def _draw_shown(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """Show Density, and the term that it shows."""
+    """Draw the button Show Density, and the shown term."""
     is_on = overlay.is_on(obj)
     layout.operator(DAPPLE_OT_show_density.bl_idname, icon="OVERLAY", depress=is_on)
     if is_on:
@@ -206,11 +206,13 @@ IS_CLOSED = CachedValue(is_closed, False)  # whether the surface of a scatter is
 
 
 def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool:
-    """The scatter that is painted, what strokes change, the result, the way back; False: none."""
+    """Draw the painted scatter, what strokes change, the result and a button to finish; False if no
+    scatter is painted.
+    """
     obj = painted_scatter(context)
     if obj is None:
         return False
-    lines_of(layout, *_what(context, obj))
+    lines_of(layout, *_stroke_note(context, obj))
     if lacks_brush(_tool_name(context), context.tool_settings.weight_paint.brush):
         lines_of(layout, translated("No brush is chosen: strokes paint nothing"), "ERROR")
     _draw_weight(layout, context.tool_settings)
@@ -223,8 +225,8 @@ def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> boo
     return True
 
 
-def _what(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, str]:
-    """What strokes change now, which another vertex group makes something else: (text, icon)."""
+def _stroke_note(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, str]:
+    """What strokes change with the active vertex group: (text, icon)."""
     group, painted = painted_group(context)
     if painted is None:
         return translated("'{name}' does not use the active vertex group", name=obj.name), "ERROR"
@@ -244,12 +246,14 @@ def _tool_name(context: bpy.types.Context) -> str:
 
 
 def lacks_brush(tool: str, brush: bpy.types.Brush | None) -> bool:
-    """Whether a tool paints with a brush and has none, as in a Blender that comes without them."""
+    """Whether a tool needs a brush and has none, as in a Blender without its assets."""
     return brush is None and tool.startswith("builtin.brush")
 
 
 def _draw_weight(layout: bpy.types.UILayout, tools: bpy.types.ToolSettings) -> None:
-    """The weight that strokes leave, of the brush or of all brushes; Blender 5 moved the latter."""
+    """Draw the weight of strokes, from the brush or shared by all brushes; Blender 5 moved the
+    latter.
+    """
     brush, kept = tools.weight_paint.brush, tools.weight_paint
     if not hasattr(kept, "unified_paint_settings"):
         kept = tools

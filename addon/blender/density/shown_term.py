@@ -18,7 +18,7 @@ _FOOT = 0.3048
 
 @dataclass(frozen=True)
 class Request:
-    """What the colors are of, as far as it can be looked up quickly."""
+    """The contents of the colors, as far as they can be looked up quickly."""
 
     surface: int  # session_uid
     settings: Settings
@@ -28,7 +28,7 @@ class Request:
 
 
 def request_of(obj: bpy.types.Object) -> Request:
-    """What is to be shown of a scatter now."""
+    """The current request for a scatter."""
     surface, settings, at = surface_of(obj), settings_of(obj), obj.dapple.object_type_index
     term = obj.dapple.density.shown_term
     alone, density = term != ALL, ""
@@ -43,7 +43,7 @@ def request_of(obj: bpy.types.Object) -> Request:
 
 
 def watched_by(obj: bpy.types.Object, request: Request) -> frozenset[int]:
-    """Data-blocks whose updates mean that the colors may be others, by session_uid."""
+    """Data-blocks whose updates may change the colors, by session_uid."""
     surface, density = surface_of(obj), request.settings.density
     found = [surface, surface.data, obj.dapple.density.image]
     if density.avoid_collection:
@@ -54,7 +54,7 @@ def watched_by(obj: bpy.types.Object, request: Request) -> frozenset[int]:
 
 
 def legend_of(obj: bpy.types.Object, shown: Colored) -> tuple[str, str, str]:
-    """What is shown, and what the darkest and the brightest color stand for."""
+    """What is shown, and the values of the darkest and the brightest color."""
     prop = obj.dapple.density.bl_rna.properties["shown_term"]
     label = item_label(prop, obj.dapple.density.shown_term)
     if not shown.points:
@@ -68,7 +68,7 @@ def legend_of(obj: bpy.types.Object, shown: Colored) -> tuple[str, str, str]:
 
 
 def _unit(units: bpy.types.UnitSettings) -> tuple[str, float]:
-    """A unit of area as the scene shows them, in square units of Blender."""
+    """The unit of area that the scene uses, and its size in square units of Blender."""
     if units.system == "NONE":
         return "1", 1.0
     length = (1.0 if units.system == "METRIC" else _FOOT) / units.scale_length

@@ -21,7 +21,7 @@ Key = tuple[int, int]  # of what stands somewhere: uid of the object, class if i
 
 @dataclass
 class _Rows:
-    """Instances of a scatter on one frame, as they are read."""
+    """Instances of a scatter on one frame."""
 
     matrices: list[Any] = field(default_factory=list)
     ids: list[int] = field(default_factory=list)
@@ -30,10 +30,12 @@ class _Rows:
 
 @dataclass
 class Collector:
-    """Reads scatters on one frame after the other.
+    """Reads scatters frame by frame.
 
-    exported: what was read, in the order of the scatters.
-    meshes: copies of what stands there: a list for each scatter, in the order of its objects.
+    exported: instances, in the order of the scatters.
+
+    meshes: copies of the instanced meshes: a list for each scatter, in the order of its objects.
+
     left_out: names of objects that are not meshes.
     """
 
@@ -49,7 +51,7 @@ class Collector:
         self._classes = [_classes_of(obj) for obj in self.scatters]
 
     def read(self) -> None:
-        """Read the frame that the scene shows."""
+        """Read the current frame."""
         numbers = {obj.session_uid: k for k, obj in enumerate(self.scatters)}
         rows = [_Rows() for _ in self.scatters]
         for one in bpy.context.evaluated_depsgraph_get().object_instances:
@@ -84,7 +86,7 @@ class Collector:
         rows.prototypes.append(self._prototype(k, one, self._classes[k].get(number, 0)))
 
     def _prototype(self, k: int, one: Any, kind: int) -> int:
-        """The number of what stands there; a shape of the node group itself is one for a class."""
+        """Index of an instanced mesh; a shape of the node group itself has one per object type."""
         original = one.object.original
         own = original == self.scatters[k]
         key = (original.session_uid, kind if own else -1)
@@ -106,7 +108,7 @@ class Collector:
 
 
 def _copied(obj: bpy.types.Object, name: str) -> bpy.types.Mesh:
-    """A mesh of the file with the materials that the object shows."""
+    """A copy of a mesh with the materials that the object shows."""
     mesh = obj.data.copy()
     mesh.name = name
     mesh.materials.clear()
@@ -123,7 +125,7 @@ def _classes_of(obj: bpy.types.Object) -> dict[int, int]:
 
 @contextmanager
 def as_rendered(scatters: Sequence[bpy.types.Object]) -> Iterator[None]:
-    """Show all instances of the scatters, whatever the viewport leaves out."""
+    """Show all instances of the scatters, including those that the viewport leaves out."""
     with quiet(), ExitStack() as back:
         for obj in scatters:
             for name, value in _SHOWN.items():

@@ -57,11 +57,11 @@ class DAPPLE_OT_export_points(AllOrNothing, bpy.types.Operator, ExportHelper):
 
     @property
     def filename_ext(self) -> str:
-        """What the file browser makes of a name without an ending."""
+        """The extension that the file browser adds to a name without one."""
         return str(self.format)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        """Ask for a file; what is baked is exported as it moves."""
+        """Ask for a file; baked scatters are exported with their animation."""
         self.animation = any(obj.dapple.baked_keys for obj in chosen(context))
         return super().invoke(context, event)
 
@@ -89,7 +89,7 @@ class DAPPLE_OT_export_points(AllOrNothing, bpy.types.Operator, ExportHelper):
 
 
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected scatters, or else the active one."""
+    """The selected scatters, otherwise the active one."""
     found = [obj for obj in context.selected_objects if is_scatter(obj)]
     return found or [obj for obj in (context.object,) if is_scatter(obj)]
 
@@ -124,19 +124,19 @@ def _messages(written: Written) -> list[tuple[str, str]]:
 
 
 def draw_menu(menu: Any, _context: bpy.types.Context) -> None:
-    """File > Export."""
+    """Draw the entry of File > Export."""
     menu.layout.operator(
         DAPPLE_OT_export_points.bl_idname, text="Dapple Points (.usd/.glb/.csv/.npz)"
     )
 
 
 def register() -> None:
-    """Add the line to the menu."""
+    """Add the entry to the menu."""
     bpy.types.TOPBAR_MT_file_export.append(draw_menu)
 
 
 def unregister() -> None:
-    """Take it out."""
+    """Remove the entry."""
     bpy.types.TOPBAR_MT_file_export.remove(draw_menu)
 
 

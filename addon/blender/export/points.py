@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Export of scatters: instances of one frame or several, with what stands there."""
+"""Export of scatters: instances of one or several frames, with the instanced meshes."""
 
 import tempfile
 from collections.abc import Sequence
@@ -16,11 +16,14 @@ from .prototypes import check_installed, references
 
 @dataclass(frozen=True)
 class Written:
-    """What became of an export.
+    """The result of an export.
 
-    files: that were written.
-    instances: of all scatters on the first frame.
-    skewed: how many of them are not quite as they were, as files hold no skew.
+    files: written files.
+
+    instances: number of instances of all scatters on the first frame.
+
+    skewed: number of instances that were written without their skew, which files cannot store.
+
     left_out: names of objects that are not meshes.
     """
 

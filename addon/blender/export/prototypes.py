@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What stands at the points, in files that Blender's own exporters write: materials and all."""
+"""Instanced meshes with their materials, in files that Blender's own exporters write."""
 
 import importlib.util
 import shutil
@@ -36,7 +36,7 @@ def references(
 ) -> list[list[Any]]:
     """Prototypes for dapple3d, in the order of each scatter's meshes, from files in a folder.
 
-    Pictures of their materials go beside the target where its format does not hold them.
+    Images of their materials are stored beside the target if its format cannot contain them.
     """
     suffix = target.suffix.lower()
     if suffix in USD:
@@ -47,7 +47,7 @@ def references(
 
 
 def _usd(meshes: Sequence[bpy.types.Mesh], path: Path, target: Path) -> list[Any]:
-    with _scene_of(meshes) as objects, _told("USD"):
+    with _scene_of(meshes) as objects, _exporter_errors("USD"):
         bpy.ops.wm.usd_export(
             filepath=str(path),
             export_animation=False,
@@ -61,12 +61,12 @@ def _usd(meshes: Sequence[bpy.types.Mesh], path: Path, target: Path) -> list[Any
             shutil.copytree(made, kept, dirs_exist_ok=True)
         except OSError as error:
             raise ScatterError(f"'{kept}' could not be written: {error}") from error
-        _look_there(path, made, kept)
+        _use_images_of(path, made, kept)
     return [reference(path, f"/{_ROOT}/{name}") for name in names]
 
 
-def _look_there(path: Path, made: Path, kept: Path) -> None:
-    """Have a USD file take its pictures from another folder."""
+def _use_images_of(path: Path, made: Path, kept: Path) -> None:
+    """Make a USD file use images from another folder."""
     sdf, utils = (importlib.import_module(f"pxr.{name}") for name in ("Sdf", "UsdUtils"))
     layer = sdf.Layer.FindOrOpen(str(path))
 
@@ -79,14 +79,14 @@ def _look_there(path: Path, made: Path, kept: Path) -> None:
 
 
 def _gltf(meshes: Sequence[bpy.types.Mesh], path: Path) -> list[Any]:
-    with _some_window(), _scene_of(meshes) as objects, _told("glTF"):
+    with _some_window(), _scene_of(meshes) as objects, _exporter_errors("glTF"):
         bpy.ops.export_scene.gltf(filepath=str(path), export_format="GLB", use_active_scene=True)
         return [reference(path, name) for name in _names(objects)]
 
 
 @contextmanager
-def _told(exporter: str) -> Iterator[None]:
-    """ScatterError of what one of Blender's exporters raises: the last line of it says what."""
+def _exporter_errors(exporter: str) -> Iterator[None]:
+    """Convert an error of one of Blender's exporters to a ScatterError with its last line."""
     try:
         yield
     except RuntimeError as error:
@@ -96,13 +96,15 @@ def _told(exporter: str) -> Iterator[None]:
 
 
 def _names(objects: Sequence[bpy.types.Object]) -> list[str]:
-    """Blender numbers those that are taken."""
+    """Names of objects, as Blender may have numbered them."""
     return [obj.name for obj in objects]
 
 
 @contextmanager
 def _some_window() -> Iterator[None]:
-    """A current window, which glTF's exporter takes for granted: `blender --command` has none."""
+    """Make a window the current one, which the glTF exporter needs; `blender --command`
+    has none.
+    """
     windows = bpy.context.window_manager.windows
     if bpy.context.window or not windows:
         yield
@@ -113,7 +115,7 @@ def _some_window() -> Iterator[None]:
 
 @contextmanager
 def _scene_of(meshes: Sequence[bpy.types.Mesh]) -> Iterator[list[bpy.types.Object]]:
-    """A scene that holds nothing but the meshes, at its origin."""
+    """A temporary scene that contains only the meshes, at its origin."""
     scene = bpy.data.scenes.new("Dapple Export")
     names = identifiers(mesh.name for mesh in meshes)
     objects = [bpy.data.objects.new(*pair) for pair in zip(names, meshes, strict=True)]
@@ -133,7 +135,7 @@ def _scene_of(meshes: Sequence[bpy.types.Mesh]) -> Iterator[list[bpy.types.Objec
 
 
 def has_pxr() -> bool:
-    """Whether Blender's Python finds USD; as a module it has to be told where Blender's is."""
+    """Whether Blender's Python finds USD; in bpy the path has to be added first."""
     if importlib.util.find_spec("pxr"):
         return True
     before = list(sys.path)

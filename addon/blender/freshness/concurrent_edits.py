@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the artist may have done to a scatter while it was worked on: that is not written over."""
+"""Detects changes that the artist made to a scatter during work on it, which are not
+overwritten.
+"""
 
 from typing import Any
 
@@ -14,7 +16,7 @@ from ..scatter.object import bake_settings_of, settings_of
 
 
 def points_now(obj: bpy.types.Object) -> Any:
-    """What tells whether the artist has done something to the points: kept, and compared later."""
+    """A token of the current points, to be compared later."""
     return digest_of([read_points(obj.data)]), obj.dapple.locked_count, obj.dapple.baked_keys
 
 
@@ -27,21 +29,21 @@ def check_writable(obj: bpy.types.Object) -> None:
 
 
 def check_points_kept(obj: bpy.types.Object, before: Any, work: str = "solved") -> None:
-    """The same, also where the points are no more those that were there before."""
+    """The same, also if the points have changed."""
     check_writable(obj)
     if points_now(obj) != before:
         raise ScatterError(f"Scatter '{obj.name}' changed while it was {work}: nothing was written")
 
 
 class ConcurrentEdits:
-    """The points and settings that a bake has begun with, which it describes once it is done."""
+    """The points and settings at the start of a bake."""
 
     def __init__(self, scatter: ObjectHandle) -> None:
         self.scatter, obj = scatter, scatter.get()
         self.points, self.settings = points_now(obj), self._settings(obj)
 
     def check(self) -> None:
-        """ScatterError once they are others."""
+        """ScatterError if they have changed."""
         obj = self.scatter.get()
         check_points_kept(obj, self.points, "baked")
         if self._settings(obj) != self.settings:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel shows of a result: whether it is up to date, and files of unfinished bakes.
+"""The state of a result for the panel: whether it is up to date, and files of unfinished bakes.
 
-Drawing only shows the last known state. Handlers note changes; once nothing has changed for a
-moment, an app timer checks only what has changed. Images are checked regularly, since Blender has
-no handler for changed pixels. In background mode there is no timer, and the state is found at once.
+Drawing only shows the last known state. Handlers note changes; a moment after the last change, a
+timer checks only what has changed. Images are checked regularly, since Blender has no handler for
+changed pixels. In background mode there is no timer, and the state is computed when it is needed.
 """
 
 import time
@@ -57,7 +57,9 @@ class _Request:
 
 @dataclass
 class _State:
-    """What the timer, the handlers and the panel share; file data is always looked up anew."""
+    """State that the timer, the handlers and the panel share; file data is always
+    looked up again.
+    """
 
     requested: dict[int, _Request] = field(
         default_factory=dict

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the frames of unfinished bakes are stored, how they follow the .blend, when they are
-removed.
+"""Files of the frames of unfinished bakes: their place, how they follow the .blend, their removal.
 
 Those of NAME.blend are in NAME.dapple/SCATTER-KEY-START. KEY is stored with the scatter and
-identifies it even if it or the file is renamed. START is a digest of the bake's start, so frames of
-other settings are kept apart.
+identifies it even if it or the file is renamed. START is a digest of the inputs of the bake, so
+that frames of different settings are kept apart.
 """
 
 import hashlib
@@ -35,7 +34,7 @@ _START_COLUMNS = {**ROW_ATTRIBUTES, "id": "INT", "dapple_object_type": "INT"}
 
 @dataclass
 class _Known:
-    """What is looked up once, as the panel asks at every redraw."""
+    """Values that are looked up only once, as the panel needs them at every redraw."""
 
     base: Path | None = None  # where the work files are, until the next saving
     edits: dict[int, int] = field(default_factory=dict)  # how often a scatter's points changed
@@ -47,11 +46,13 @@ _known = _Known()
 
 
 def work_files(obj: bpy.types.Object, first: int | None = None) -> Sidecar:
-    """The sidecar of a bake that begins with the scatter as it is, at a frame or the scene's."""
-    return _that_begin(obj, _start(obj, _way(obj, first)))
+    """The sidecar of a bake that starts with the current scatter, at a given frame or that of the
+    scene.
+    """
+    return _files_with_start(obj, _start(obj, _way(obj, first)))
 
 
-def _that_begin(obj: bpy.types.Object, start: str) -> Sidecar:
+def _files_with_start(obj: bpy.types.Object, start: str) -> Sidecar:
     key = _keys()[obj.session_uid]
     for folder in _folders(_base(), key):
         if folder.name.endswith(f"-{key}-{start}"):
@@ -61,18 +62,18 @@ def _that_begin(obj: bpy.types.Object, start: str) -> Sidecar:
 
 
 def all_work_files(obj: bpy.types.Object) -> list[Sidecar]:
-    """What bakes of a scatter have left, whatever they began with."""
+    """All files that bakes of a scatter have left."""
     key = _keys().get(obj.session_uid)
     return [] if key is None else [Sidecar(folder) for folder in _folders(_base(), key)]
 
 
 def unfinished(obj: bpy.types.Object) -> int:
-    """Solved frames that Bake would go on from."""
+    """Number of solved frames from which Bake continues."""
     return _counted(obj)[0]
 
 
 def left_over(obj: bpy.types.Object) -> int:
-    """Solved frames that are of no use with the settings and points as they are."""
+    """Number of solved frames that cannot be used with the current settings and points."""
     return _counted(obj)[1]
 
 
@@ -82,12 +83,12 @@ def finished_files(obj: bpy.types.Object) -> list[Sidecar]:
 
 
 def new_key() -> str:
-    """A key for a scatter that is new."""
+    """A key for a new scatter."""
     return secrets.token_hex(4)
 
 
 def unsaved_note() -> str:
-    """What to say about a file that was never saved; empty when it was."""
+    """A note for a file that was never saved; empty if it was."""
     if bpy.data.filepath:
         return ""
     return translated("Save the file to keep the frames of a stopped bake after Blender closes")
@@ -100,17 +101,17 @@ def _base() -> Path:
 
 
 def _temporary() -> Path:
-    """For a file that was never saved."""
+    """Folder for a file that was never saved."""
     return Path(bpy.app.tempdir) / "dapple"
 
 
 def _folders(base: Path, key: str) -> list[Path]:
-    """Folders of a key, whatever the scatter was called."""
+    """Folders with a key, independent of the name of the scatter."""
     return [path for path, own in _keyed(base) if own == key]
 
 
 def _keyed(base: Path) -> Iterator[tuple[Path, str]]:
-    """All folders of work files, and their keys."""
+    """All folders of work files with their keys."""
     if base.is_dir():
         for path in sorted(base.iterdir()):
             found = _FOLDER.fullmatch(path.name)
@@ -119,7 +120,7 @@ def _keyed(base: Path) -> Iterator[tuple[Path, str]]:
 
 
 def _keys() -> dict[int, str]:
-    """Keys of the file's scatters, by session_uid: a copy has not that of what it is a copy of."""
+    """Keys of the file's scatters, by session_uid; a copy does not have the key of its original."""
     keys: dict[int, str] = {}
     seen = set()
     for obj in filter(is_scatter, bpy.data.objects):  # by name: copies come later
@@ -138,11 +139,11 @@ def _digest(text: str) -> str:
 
 def _way(obj: bpy.types.Object, first: int | None = None) -> _Way:
     first = bpy.context.scene.frame_start if first is None else first
-    return settings_of(obj), _way_of_baking(obj), first
+    return settings_of(obj), _bake_method(obj), first
 
 
 def _start(obj: bpy.types.Object, way: _Way) -> str:
-    """Digest of settings and points; of a scatter that cannot be baked, none that a bake has."""
+    """Digest of settings and points; a scatter that cannot be baked has one that no bake has."""
     try:
         return start_digest(*way, own_columns(obj, _START_COLUMNS))
     except ScatterError:
@@ -150,7 +151,7 @@ def _start(obj: bpy.types.Object, way: _Way) -> str:
 
 
 def _known_start(obj: bpy.types.Object) -> str:
-    """The same, as far as handlers have noticed changes of points."""
+    """The same, computed again only if handlers have noticed changes of points."""
     way, edits = _way(obj), _known.edits.get(obj.session_uid, 0)
     token = (way, obj.data.session_uid, len(obj.data.vertices), edits)
     known = _known.starts.get(obj.session_uid)
@@ -159,8 +160,8 @@ def _known_start(obj: bpy.types.Object) -> str:
     return known[1]
 
 
-def _way_of_baking(obj: bpy.types.Object) -> str:
-    """How frames follow from each other."""
+def _bake_method(obj: bpy.types.Object) -> str:
+    """The settings that determine how a frame depends on earlier ones."""
     settings = obj.dapple
     if settings.population == "KEEP_DENSITY":
         return f"{settings.population}-{settings.fade_duration}"
@@ -168,11 +169,11 @@ def _way_of_baking(obj: bpy.types.Object) -> str:
 
 
 def _counted(obj: bpy.types.Object) -> tuple[int, int]:
-    """Frames that Bake goes on from, and others."""
+    """Numbers of frames from which Bake continues, and of other frames."""
     found = all_work_files(obj)
     if not found or missing():
         return 0, 0
-    own = _that_begin(obj, _known_start(obj)).folder
+    own = _files_with_start(obj, _known_start(obj)).folder
     times = tuple((files.folder.name, files.folder.stat().st_mtime_ns) for files in found)
     token = (own, obj.dapple.bake_fingerprint, times)
     known = _known.counts.get(obj.session_uid)
@@ -203,13 +204,13 @@ def _is_finished(obj: bpy.types.Object, files: Sidecar) -> bool:
 
 
 def saved(path: str) -> None:
-    """Have the work files follow, and remove those of bakes that the file now holds."""
+    """Move the work files with the file, and remove those of bakes that it contains."""
     if not bpy.data.filepath or Path(path) != Path(bpy.data.filepath):
         return  # a copy, or the startup file: the work files are still those of the open one
     before, _known.base = _known.base or _temporary(), _base()
     try:
         if before != _known.base:
-            _bring(before)
+            _move_from(before)
         for obj in filter(is_scatter, bpy.data.objects):
             _tidy(obj)
         _remove_unknown()
@@ -217,8 +218,8 @@ def saved(path: str) -> None:
         print(f"Dapple: work files in '{before}' could not be moved or removed: {error}")
 
 
-def _bring(source: Path) -> None:
-    """Move the work files of the file's scatters to where they are looked for now."""
+def _move_from(source: Path) -> None:
+    """Move the work files of the file's scatters to their current folder."""
     known = set(_keys().values())
     for folder, key in list(_keyed(source)):
         if key in known:
@@ -226,7 +227,7 @@ def _bring(source: Path) -> None:
 
 
 def _tidy(obj: bpy.types.Object) -> None:
-    """Of a bake that was just saved keep nothing, and of others what Bake would go on from."""
+    """Remove the files of a saved bake, and other files from which Bake would not continue."""
     found = all_work_files(obj)
     if not any(_is_finished(obj, files) for files in found):
         return
@@ -237,7 +238,7 @@ def _tidy(obj: bpy.types.Object) -> None:
 
 
 def _remove_unknown() -> None:
-    """Remove the work files of scatters that the saved file has no more."""
+    """Remove the work files of scatters that the saved file does not contain."""
     known = set(_keys().values())
     if bpy.data.filepath.endswith(".blend"):  # a backup has its work files in common
         for folder, key in list(_keyed(_base())):
@@ -246,7 +247,7 @@ def _remove_unknown() -> None:
 
 
 def _loaded() -> None:
-    """Find the work files of a file that was renamed while it was not open."""
+    """Find the work files of a file that was renamed while it was closed."""
     _forget()
     _known.base = _base()
     if not bpy.data.filepath or not _keys():
@@ -254,7 +255,7 @@ def _loaded() -> None:
     try:
         for folder in _base().parent.glob("*.dapple"):
             if folder != _base() and not folder.with_suffix(".blend").exists():
-                _bring(folder)
+                _move_from(folder)
     except OSError as error:
         print(f"Dapple: work files beside '{bpy.data.filepath}' could not be moved: {error}")
 
@@ -265,7 +266,7 @@ def _forget() -> None:
 
 
 def _edited(evaluation: Evaluation) -> None:
-    """Note whose points may have changed."""
+    """Note scatters whose points may have changed."""
     for _, update in evaluation.objects():
         if update.geometry:
             _known.edits[update.uid] = _known.edits.get(update.uid, 0) + 1

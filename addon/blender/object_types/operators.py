@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The list of object types, its operators, the pair that overlaps most."""
+"""The list of object types: its operators, counts of points, and the pair with the
+largest overlap.
+"""
 
 import bpy
 import numpy as np
@@ -31,7 +33,7 @@ _COUNTING = {"count", "per_area", "density", "object_types"}  # what the number 
 
 
 def edit_object_types(obj: bpy.types.Object, action: str) -> None:
-    """ADD, REMOVE, UP or DOWN, at the class that is shown; the node group follows."""
+    """ADD, REMOVE, or move UP or DOWN the active object type; the node group is updated."""
     kinds, at = obj.dapple.object_types, obj.dapple.object_type_index
     if action == "ADD":
         _add(obj)
@@ -64,8 +66,8 @@ def _add(obj: bpy.types.Object) -> None:
 
 
 def count_labels(obj: bpy.types.Object) -> list[str]:
-    """The number of points that each class has, for the list; where it is to get another one, that
-    with a tilde, the trouble if it cannot.
+    """The number of points of each object type, as text for the list; a number that will change is
+    marked with a tilde, an error is shown instead of a number.
     """
     settings = settings_of(obj)
     changed = changed_settings(obj.dapple.solved_settings, settings)
@@ -80,7 +82,7 @@ def count_labels(obj: bpy.types.Object) -> list[str]:
 
 
 def _counted(obj: bpy.types.Object) -> list[int]:
-    """The points of each class that are there."""
+    """The current number of points of each object type."""
     classes, most = (
         own_columns(obj, {"dapple_object_type": "INT"})["dapple_object_type"],
         len(obj.dapple.object_types),
@@ -89,7 +91,7 @@ def _counted(obj: bpy.types.Object) -> list[int]:
 
 
 def _solved_mass(obj: bpy.types.Object) -> float:
-    """As large as the density of the last solution has made it."""
+    """The integral of the density of the last solution."""
     sources = sources_from(obj.dapple.solved_from)
     if sources is None or not sources.capacity:
         raise ScatterError(f"Scatter '{obj.name}' was not solved by this version")
@@ -97,12 +99,13 @@ def _solved_mass(obj: bpy.types.Object) -> float:
 
 
 def select_overlap(obj: bpy.types.Object, context: bpy.types.Context) -> Vector:
-    """Select the two points whose instances overlap most; the place between them, in the world.
+    """Select the two points whose instances overlap most; returns the place between them in world
+    space.
 
-    A bake goes to the frame in which they do.
+    If baked, the scene goes to the frame with this overlap.
 
-    Raises:
-        ScatterError: one of them is no more, or cannot be found on the surface as it is.
+    Raises:     ScatterError: a point does not exist any more, or has no place on the current
+    surface.
     """
     report = obj.dapple.report
     ids = point_columns_of(obj)["id"]
@@ -200,7 +203,7 @@ CLASSES = (
 
 
 def _updated(evaluation: Evaluation) -> None:
-    """What is placed has its scatter evaluated too."""
+    """Update scatters whose instances have changed; Blender evaluates these scatters too."""
     if is_quiet() or operator_jobs.current() is not None or activity.is_rendering():
         return
     for obj, _ in evaluation.objects():

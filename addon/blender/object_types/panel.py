@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sub-panel for what is put on the points, and the list of object types."""
+"""The panel Instances with the list of object types."""
 
 import bpy
 
@@ -13,7 +13,7 @@ _SHOWN_SHARE = 0.005  # what becomes 1 % at least
 
 
 class DAPPLE_UL_object_types(bpy.types.UIList):
-    """Name of each class, and how many points it gets."""
+    """Names of the object types with their numbers of points."""
 
     def draw_item(
         self,
@@ -78,7 +78,7 @@ def _draw_size(layout: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
 
 
 def _draw_axes(split: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
-    """Three numbers side by side, which a layout of labels and values has no room for."""
+    """Draw three numbers side by side, for which the layout of properties has no room."""
     split.use_property_split = False
     label = split.row()
     label.alignment = "RIGHT"
@@ -89,7 +89,7 @@ def _draw_axes(split: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
 
 
 def active_type(settings: bpy.types.AnyType) -> bpy.types.AnyType:
-    """The object type that the panels show; the scatter's own settings where it has none."""
+    """The object type that the panels show; the scatter's own settings if it has none."""
     kinds, at = settings.object_types, settings.object_type_index
     return kinds[min(max(at, 0), len(kinds) - 1)] if kinds else settings
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much of the Default preset fits a surface: values that it cannot have are left out."""
+"""Fitting the Default preset to a surface: values that it cannot have are skipped."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -18,9 +18,9 @@ from .stored import fits, folder, type_properties
 def first_values(
     surface: bpy.types.Object, context: bpy.types.Context
 ) -> tuple[presets.Values, str]:
-    """Settings of new scatters on a surface, and those of the Default preset that are skipped.
+    """Settings of new scatters on a surface, and skipped settings of the Default preset.
 
-    Nothing where no default was saved.
+    Both are empty if no default was saved.
     """
     if presets.DEFAULT not in presets.names(folder()):
         return {}, ""
@@ -34,7 +34,7 @@ def first_values(
 
 
 def left_out_note(reasons: str) -> str:
-    """What is said where not all of the Default preset fits."""
+    """The message about skipped settings of the Default preset."""
     return translated_report(
         "Preset '{name}' does not fit here, skipped: {reasons}",
         name=presets.DEFAULT,
@@ -45,7 +45,7 @@ def left_out_note(reasons: str) -> str:
 def fallbacks(
     preset: presets.Values, chosen: dict[str, Any]
 ) -> Iterator[tuple[presets.Values, str]]:
-    """Values of a preset without more and more of them, and what they are without."""
+    """Values of a preset with fewer and fewer settings, each with the name of what is left out."""
     yield preset, ""
     if not preset:
         return
@@ -88,7 +88,7 @@ def without_missing(
     context: bpy.types.Context,
     reasons: list[str],
 ) -> presets.Values:
-    """The values without what densities ask of this surface and scene that is not there."""
+    """The values without parts of the density that this surface or scene does not have."""
     density = dict(values.get("density", {}))
     checks: dict[str, Callable[[bpy.types.Mesh], Any]] = {
         "attribute": lambda mesh: read_weights(surface, mesh, density["attribute"]),
@@ -114,7 +114,7 @@ def without_missing(
 def _with_density_of(
     own: dict[str, Any], surface: bpy.types.Object, context: bpy.types.Context, reasons: list[str]
 ) -> dict[str, Any]:
-    """An object type, without a density that the surface does not have."""
+    """The values of an object type, without a density that the surface does not have."""
     if not own.get("density"):
         return own
     try:

@@ -90,13 +90,13 @@ class DAPPLE_MT_presets(bpy.types.Menu):
 
 
 def draw_presets(row: bpy.types.UILayout) -> None:
-    """The button that opens the menu."""
+    """Draw the button that opens the menu."""
     PRESETS.of()  # a menu is drawn once only, when it is opened: by then they are known
     row.menu(DAPPLE_MT_presets.__name__, text="", icon="PRESET")
 
 
 def draw_removal(layout: bpy.types.UILayout) -> None:
-    """A button for each preset that removes it."""
+    """Draw a button to remove each preset."""
     for name in PRESETS.of():
         text = translated("Remove '{name}'", name=name)
         remove = layout.operator(DAPPLE_OT_remove_preset.bl_idname, text=text, icon="TRASH")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a preset keeps of a scatter, and the folder that presets are in."""
+"""The contents of presets, and the folder in which they are stored."""
 
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from ..scatter.modifier import ensure_modifier, write_instance_inputs
 
 
 def folder() -> Path:
-    """Where an artist's presets are: the folder that Blender gives each extension."""
+    """The folder of presets: the one that Blender provides for each extension."""
     try:
         return Path(bpy.utils.extension_path_user(PACKAGE, path="presets"))
     except ValueError:  # imported by a script, not installed
@@ -21,7 +21,7 @@ def folder() -> Path:
 
 
 def values_of(obj: bpy.types.Object) -> presets.Values:
-    """What a preset keeps of a scatter."""
+    """The values of a scatter that a preset stores."""
     values: presets.Values = {
         group: _values(_group(obj, group), names) for group, names in presets.NAMES.items()
     }
@@ -33,10 +33,10 @@ def values_of(obj: bpy.types.Object) -> presets.Values:
 
 
 def apply(obj: bpy.types.Object, values: presets.Values) -> None:
-    """Set what a preset has; ScatterError naming the first value of another type.
+    """Set the values of a preset; ScatterError naming the first value of a wrong type.
 
-    Nothing is set then. Object types keep the objects of those that are there: of the one of the
-    same name, else of the next in order. Without types in the preset those that are there stay.
+    Then nothing is set. Object types keep their objects: those of the type with the same name,
+    otherwise of the next one in order. Without types in the preset the existing types stay.
     """
     before = values_of(obj)
     try:
@@ -83,7 +83,7 @@ def fits(value: Any, known: bpy.types.Property) -> bool:
 def _set_types(obj: bpy.types.Object, types: list[dict[str, Any]]) -> None:
     kinds = obj.dapple.object_types
     for at, own in enumerate(types):
-        kinds.move(_that_becomes(kinds, at, [one.get("name") for one in types[at:]]), at)
+        kinds.move(_type_for(kinds, at, [one.get("name") for one in types[at:]]), at)
         for name in sorted(own, key="radius".__eq__):  # last: until then bounds may give it
             setattr(kinds[at], name, own[name])
     while len(kinds) > len(types):
@@ -93,9 +93,9 @@ def _set_types(obj: bpy.types.Object, types: list[dict[str, Any]]) -> None:
     write_instance_inputs(obj)
 
 
-def _that_becomes(kinds: Any, at: int, names: list[str | None]) -> int:
-    """Index of the type that becomes the one at an index, the first of the names; a new one if all
-    that are left have the name of a later one.
+def _type_for(kinds: Any, at: int, names: list[str | None]) -> int:
+    """Index of the existing type that takes the place `at`, for the first of the names; a new one
+    if all remaining types have the name of a later one.
     """
     left = range(at, len(kinds))
     same = (k for k in left if kinds[k].name == names[0])
@@ -115,5 +115,5 @@ def _group(obj: bpy.types.Object, name: str) -> bpy.types.PropertyGroup:
 
 
 def _plain(value: Any) -> Any:
-    """Numbers with the digits that single precision holds."""
+    """A number with the digits of single precision."""
     return float(f"{value:.7g}") if isinstance(value, float) else value

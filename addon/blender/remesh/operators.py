@@ -70,7 +70,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         return False
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        """Ask for the number of vertices first, which begins with that of now."""
+        """Ask for the number of vertices, starting with the current number."""
         if not self.properties.is_property_set("count"):
             self.count = len(context.object.data.vertices)
         if bpy.app.background:
@@ -80,7 +80,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         return status
 
     def execute(self, context: bpy.types.Context) -> Status:
-        """Do it now in a script, beside the artist after the dialog."""
+        """Do the work now in a script, or in the background after the dialog."""
         if getattr(self, "asked", False):
             return super().invoke(context, None)
         return super().execute(context)
@@ -142,17 +142,17 @@ def remesh_steps(obj: bpy.types.Object, count: int, feature_angle: float) -> Ste
 
 
 def draw_menu(menu: Any, _context: bpy.types.Context) -> None:
-    """The menu Object."""
+    """Draw the entry of the menu Object."""
     menu.layout.operator(DAPPLE_OT_remesh.bl_idname, icon="MOD_REMESH")
 
 
 def register() -> None:
-    """Add the line to the menu."""
+    """Add the entry to the menu."""
     bpy.types.VIEW3D_MT_object.append(draw_menu)
 
 
 def unregister() -> None:
-    """Take it out."""
+    """Remove the entry."""
     bpy.types.VIEW3D_MT_object.remove(draw_menu)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh of an object as it is remeshed: triangles, and the edges that stay."""
+"""Reading an object's mesh for remeshing: triangles, and edges that are kept."""
 
 import bpy
 import numpy as np
@@ -99,7 +99,9 @@ def _next_corners(mesh: bpy.types.Mesh) -> Ints:
 
 
 def _corner_values(mesh: bpy.types.Mesh) -> list[Floats]:
-    """What divides: texture coordinates (c, 2), and the material (c, 1) of the corners' faces."""
+    """Values that divide the surface: texture coordinates (c, 2), and the material (c, 1) of the
+    corners' faces.
+    """
     found = []
     for layer in mesh.uv_layers:
         values = np.empty(2 * len(mesh.loops), np.float32)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The new mesh as a mesh of Blender, with everything that the old one holds."""
+"""The new mesh as one of Blender's meshes, with all data of the old one."""
 
 from typing import Any
 
@@ -32,7 +32,7 @@ _OWN = {"position", "material_index", "custom_normal"}  # written otherwise, or 
 
 
 def write_new(obj: bpy.types.Object, new: NewMesh) -> bpy.types.Mesh:
-    """A mesh beside the object's own: the new triangles with what the old mesh holds."""
+    """A new mesh with the new triangles and the data of the object's old mesh."""
     old = obj.data
     made = old.copy()
     try:
@@ -72,7 +72,7 @@ def _build(old: bpy.types.Mesh, made: bpy.types.Mesh, new: NewMesh) -> None:
 
 
 def _sort(mesh: bmesh.types.BMesh, vertices: list[Any], triangles: list[Any]) -> None:
-    """Have them in the order in which they were made: some took the place of deleted ones."""
+    """Sort elements in the order of their creation, as some have replaced deleted ones."""
     for made, sequence in ((vertices, mesh.verts), (triangles, mesh.faces)):
         for k, one in enumerate(made):
             one.index = k
@@ -148,7 +148,7 @@ def _at_corners(values: NDArray[Any], corners: Ints, new: NewMesh, mixed: bool) 
 
 
 def _old_edge_of_each(old: bpy.types.Mesh, made: bpy.types.Mesh, new: NewMesh) -> Ints:
-    """The old edge that each edge of the new mesh lies on; -1: none."""
+    """The old edge on which each new edge lies; -1 if there is none."""
     size = max(len(old.vertices), len(made.vertices)) + 1
     old_ends, ends = np.sort(edge_vertices(old), axis=1), np.sort(edge_vertices(made), axis=1)
     by_old = {int(a) * size + int(b): k for k, (a, b) in enumerate(old_ends)}

@@ -31,7 +31,7 @@ def _is_surface(settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> boo
 
 
 class DAPPLE_PG_material(bpy.types.PropertyGroup):
-    """A material of the surface; its `name` is what is said of one that was deleted."""
+    """A material of the surface; `name` is shown if the material was deleted."""
 
     material: PointerProperty(
         name="Material",
@@ -42,7 +42,7 @@ class DAPPLE_PG_material(bpy.types.PropertyGroup):
 
 
 def _weight_names(settings: Any, context: bpy.types.Context, text: str) -> list[str]:
-    """Names that fit what was typed so far; others, made by modifiers, can be typed too."""
+    """Names that match the typed text; other names, made by modifiers, can be typed too."""
     surface = settings.id_data.dapple.surface
     names = weight_names(surface) if surface is not None else []
     return [name for name in names if text.lower() in name.lower()]
@@ -76,7 +76,7 @@ def with_settings(settings: Iterable[Setting]) -> Callable[[_Class], _Class]:
 
 
 def with_arguments(settings: Iterable[Setting]) -> Callable[[_Class], _Class]:
-    """Give an operator such properties, which change nothing until it runs."""
+    """Give an operator such properties, which have no update functions."""
     return _with({setting.name: _argument(setting) for setting in settings})
 
 
@@ -103,7 +103,7 @@ def _argument(setting: Setting) -> Any:
 
 
 def _keywords(setting: Setting) -> tuple[Callable[..., Any], dict[str, Any]]:
-    """The property of a setting, and what it is made with; what Blender presumes is left out."""
+    """The property type of a setting and its arguments, without Blender's defaults."""
     make, own = _PROPERTIES[setting.kind]
     words = {"name": setting.label, "description": setting.tooltip} | own
     if setting.kind not in DATA_BLOCKS:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Properties of a scatter object: what is set, and what is known of the last result."""
+"""Properties of a scatter object: settings, and data about the last result."""
 
 import bpy
 from bpy.props import (
@@ -166,7 +166,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
 
 
 def _allow_overrides(cls: type[bpy.types.PropertyGroup]) -> None:
-    """Have library overrides keep every property of a group."""
+    """Let library overrides save every property of a group."""
     for declared in cls.__annotations__.values():
         declared.keywords["override"] = _OVERRIDE
 
@@ -195,7 +195,7 @@ def unregister() -> None:
 
 
 def is_registered(cls: type) -> bool:
-    """Whether Blender knows a class."""
+    """Whether a class is registered in Blender."""
     return "bl_rna" in cls.__dict__
 
 

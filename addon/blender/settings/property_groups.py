@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Property groups inside a scatter's: report, density, tiles, one class."""
+"""Property groups of a scatter: report, density, tiles, object type, joined surface."""
 
 from typing import Any
 
@@ -139,7 +139,7 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
 
 @with_settings(GROUPS["tiles"])
 class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
-    """How the cells of a scatter are made into tiles."""
+    """Settings of the tiles that are made from the cells of a scatter."""
 
     object: PointerProperty(
         name="Tiles",
@@ -149,7 +149,7 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
 
 
 class DAPPLE_PG_weight(bpy.types.PropertyGroup):
-    """How often an object of a collection is picked, or a collection in it."""
+    """How often an object of a collection, or a collection in it, is instanced."""
 
     object: PointerProperty(
         name="Object",
@@ -174,7 +174,7 @@ class DAPPLE_PG_weight(bpy.types.PropertyGroup):
 
 @with_settings(GROUPS["object_types"])
 class DAPPLE_PG_object_type(bpy.types.PropertyGroup):
-    """One object type among several; its `name` is what the list shows."""
+    """An object type; the list shows its `name`."""
 
     weights: CollectionProperty(
         name="Weights",
@@ -184,7 +184,7 @@ class DAPPLE_PG_object_type(bpy.types.PropertyGroup):
 
 
 class DAPPLE_PG_part(bpy.types.PropertyGroup):
-    """An object that a joined surface consists of, or one that instances some of them."""
+    """An object that is a part of a joined surface, or one that instances some parts."""
 
     object: PointerProperty(
         name="Part", description="Object of the scene that is the part", type=bpy.types.Object
@@ -204,8 +204,8 @@ class DAPPLE_PG_part(bpy.types.PropertyGroup):
 
 
 class DAPPLE_PG_parts(bpy.types.PropertyGroup):
-    """The parts of the joined surface that a scatter is on. Where it is copied together with them,
-    Blender has these be the copies: the surface itself is in no collection, so never copied.
+    """The parts of a scatter's joined surface. If the scatter is copied together with them, Blender
+    replaces them by the copies; the surface itself is in no collection and is never copied.
     """
 
     surface: PointerProperty(
@@ -217,7 +217,7 @@ class DAPPLE_PG_parts(bpy.types.PropertyGroup):
 
 
 class DAPPLE_PG_joined(bpy.types.PropertyGroup):
-    """What a joined surface consists of; empty of other objects."""
+    """The parts of a joined surface; empty for other objects."""
 
     entries: CollectionProperty(
         name="Parts", description="Objects that are one surface", type=DAPPLE_PG_part

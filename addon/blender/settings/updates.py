@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What follows when a setting is changed."""
+"""Update functions of settings."""
 
 import re
 from collections.abc import Callable
@@ -22,7 +22,7 @@ _UNNAMED = re.compile(r"(Type|Class) \d+")
 
 
 def instance_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    """Update function of what is placed."""
+    """Update function of settings of the instances."""
     _name(settings)
     follow_members(settings)
     write_instance_inputs(settings.id_data)
@@ -31,7 +31,7 @@ def instance_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
 
 
 def _name(settings: bpy.types.PropertyGroup) -> None:
-    """An object type that nobody has named has the name of what it places."""
+    """Name an object type after its objects, unless the artist has named it."""
     placed, kinds = settings.collection or settings.instance, settings.id_data.dapple.object_types
     if placed is None or not _UNNAMED.fullmatch(settings.name):
         return
@@ -40,7 +40,7 @@ def _name(settings: bpy.types.PropertyGroup) -> None:
 
 
 def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    """Update function of what a result was solved with."""
+    """Update function of settings that change the solution."""
     _renew_radius(settings)
     write_warning(settings.id_data)
     for follow in followers:
@@ -48,14 +48,14 @@ def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
 
 
 def material_changed(chosen: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    """Update function of a material that a density asks for."""
+    """Update function of a material in the density."""
     if chosen.material is not None:
         chosen.name = chosen.material.name
     settings_changed(chosen, context)
 
 
 def weight_changed(entry: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    """Update function of how often an object of a collection is picked."""
+    """Update function of the weight of an object in a collection."""
     obj = entry.id_data
     kinds = [kind for kind in (obj.dapple, *obj.dapple.object_types) if kind.use_weights]
     if all(map(is_listed, kinds)):  # else they are being listed
@@ -65,31 +65,31 @@ def weight_changed(entry: bpy.types.PropertyGroup, context: bpy.types.Context) -
 
 
 def _renew_radius(settings: bpy.types.PropertyGroup) -> None:
-    """Of an object type that has it from its instances."""
+    """Update the radius of an object type that follows the bounds of its instances."""
     if getattr(settings, "radius_from_bounds", False):
         follow_bounds(settings, bpy.context.evaluated_depsgraph_get())
 
 
 def get_auto_update(settings: bpy.types.PropertyGroup) -> bool:
-    """What Auto Update shows."""
+    """The value of Auto Update."""
     return is_automatic(settings.id_data)
 
 
 def set_auto_update(settings: bpy.types.PropertyGroup, value: bool) -> None:
-    """Auto Update is what the artist says from now on."""
+    """Turn Auto Update on or off."""
     settings.auto_update_mode = "ON" if value else "OFF"
     for follow in followers:
         follow(settings.id_data)
 
 
 def get_quality(settings: bpy.types.PropertyGroup) -> int:
-    """What Quality shows: the preset that the settings are those of."""
+    """The value of Quality: the preset with the current settings."""
     names = [name for name, *_ in (*QUALITIES, CUSTOM)]
     return names.index(quality_of({one.name: getattr(settings, one.name) for one in EVENNESS}))
 
 
 def set_quality(settings: bpy.types.PropertyGroup, number: int) -> None:
-    """The settings become those of the preset; those of no preset stay as they are."""
+    """Apply a preset; the choice Custom changes nothing."""
     if number < len(QUALITIES):
         for name, value in quality_settings(QUALITIES[number][0]).items():
             setattr(settings, name, value)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that are there as a whole or not at all, however the process ends."""
+"""Files that are written completely or not at all, however the process ends."""
 
 import glob
 import hashlib

@@ -11,7 +11,7 @@ class MissingPackageError(ScatterError):
 
 
 class ChangedError(ScatterError):
-    """What was read is not what is there any more."""
+    """The data has changed since it was read."""
 
 
 class StoppedError(RuntimeError):

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When something that changes again and again is to be worked on: once it has rested for a moment.
-
-Knows neither Blender nor what is to be done; the clock is given, so that time can be made up.
-"""
+"""Schedules work on data that keeps changing: a moment after the last change."""
 
 import math
 import time

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What there is to know of one setting; properties, presets, checks and docs are made from it."""
+"""Descriptions of settings, from which properties, presets, checks and docs are made."""
 
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Kind(Enum):
-    """What a setting holds."""
+    """The type of a setting."""
 
     NUMBER = auto()
     WHOLE = auto()
@@ -23,7 +23,7 @@ class Kind(Enum):
 
 
 class Changes(Enum):
-    """What fits no more when a setting is changed."""
+    """The results that a change of a setting makes stale."""
 
     NOTHING = auto()
     INSTANCES = auto()  # what is placed, which follows at once
@@ -38,7 +38,7 @@ Choices = tuple[tuple[Any, ...], ...]  # as Blender lists them: name, label, too
 
 @dataclass(frozen=True)
 class Setting:
-    """One setting of a group, as it stands in the table of that group."""
+    """One setting of a group: a line of the table of that group."""
 
     name: str
     kind: Kind

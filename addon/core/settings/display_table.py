@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings of what is shown of a scatter: in the viewport, and far from the camera."""
+"""Settings of the display: in the viewport, and far from the camera."""
 
 from .descriptors import Changes, Kind, Setting
 

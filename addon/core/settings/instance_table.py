@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings of what is put on points and how, of one object type among several, of tiles."""
+"""Settings of instances, of object types and of tiles."""
 
 import math
 

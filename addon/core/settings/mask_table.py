@@ -25,7 +25,7 @@ def _number(name: str, of: str, default: float, label: str, tooltip: str, **more
 def _ends(
     name: str, inverted: str = "Full density outside of the range instead of inside"
 ) -> tuple[Setting, ...]:
-    """What all masks have in the end."""
+    """The last settings of each mask."""
     return (
         Setting(
             f"{name}_invert",

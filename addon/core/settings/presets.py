@@ -40,11 +40,7 @@ def store(folder: Path, name: str, values: Values) -> None:
 
 
 def load(folder: Path, name: str) -> Values:
-    """Read a preset; names that this version does not know are left out.
-
-    Raises:
-        ScatterError: there is none, or it is not one.
-    """
+    """Read a preset without names that this version does not know."""
     path = _path(folder, name)
     try:
         stored = json.loads(path.read_text())
@@ -102,7 +98,7 @@ def _type_with(own: dict[str, Any]) -> ClassSettings:
 
 
 def _known(stored: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
-    """What this version knows of a group."""
+    """The settings of a group that this version knows."""
     if not isinstance(stored, dict):
         raise TypeError(f"{stored!r} holds no settings")
     return {name: stored[name] for name in names if name in stored}

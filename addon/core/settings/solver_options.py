@@ -129,7 +129,7 @@ TRACKED = tuple(
 
 
 def quality_settings(name: str) -> dict[str, Any]:
-    """What the preset of that name sets; the rest of these are at their defaults."""
+    """The values of a preset; options that it does not name have their defaults."""
     return {setting.name: setting.default for setting in EVENNESS} | _PRESETS[name]
 
 

@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the artist sets before a scatter is optimized; field names as in the native package.
-
-Fields that are one setting each come from the tables of settings (fields.py), with their defaults;
-the others are written here. Data-blocks are stored by their names.
-"""
+"""Settings of a scatter as dataclasses; field names are those of the native package."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -65,4 +61,4 @@ class Settings(SolutionFields):
 
 @dataclass(frozen=True)
 class BakeSettings(BakeFields):
-    """What only a bake takes; the solution that it begins with has no part in it."""
+    """Settings of a bake that do not change the solution of its first frame."""

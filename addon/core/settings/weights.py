@@ -14,7 +14,9 @@ _DOT = b"."
 
 
 def packed(weights: list[float]) -> str:
-    """Nothing where all are picked alike; else a share for each: as many x as each digit says."""
+    """Weights as text for nodes, which can count letters; empty if all are equal. Each digit of a
+    share is written as that many x, padded with spaces.
+    """
     if len(set(weights)) <= 1 and any(weights):
         return ""
     return "".join(
@@ -23,7 +25,7 @@ def packed(weights: list[float]) -> str:
 
 
 def _shares(weights: list[float]) -> list[int]:
-    """Of TOTAL, by largest remainders; a little more if needed for each weight to have some."""
+    """Shares of TOTAL, by largest remainders; slightly more if each weight is to have one."""
     total = sum(weights)
     if not total:
         return [0] * len(weights)
@@ -54,7 +56,7 @@ def _compare(one: bytes, other: bytes) -> int:
 
 
 def _compare_parts(a: bytes, b: bytes) -> tuple[int, int]:
-    """Of two numbers or letters; the second where only their leading zeros differ."""
+    """Compare two numbers or letters; leading zeros count only if all else is equal."""
     if a.isdigit() and b.isdigit():
         return _sign(int(a), int(b)), _sign(len(a), len(b))
     a, b = a.lower()[:1], b.lower()[:1]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solving one frame: from the start, or from the points that are there."""
+"""Solving one frame: from the start, or from existing points."""
