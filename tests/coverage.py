@@ -53,9 +53,9 @@ def counts(path: Path) -> Iterator[tuple[str, Count]]:
             )
         return
     for name, one in files.items():
-        told = one["summary"]
+        totals = one["summary"]
         keys = ("covered_lines", "num_statements", "covered_branches", "num_branches")
-        yield name, Count(*(told[key] for key in keys))
+        yield name, Count(*(totals[key] for key in keys))
 
 
 def room_of(name: str) -> str:

@@ -170,7 +170,7 @@ def _enabling(options: argparse.Namespace) -> None:
 
 
 def _following(options: argparse.Namespace) -> None:
-    """The pause without a change is in what is told."""
+    """The times include the pause after a change."""
     for sites, faces, types, goal in CASES:
         if sites > options.sites:
             continue

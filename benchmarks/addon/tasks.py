@@ -24,7 +24,7 @@ for folder in (ROOT, ROOT / "tests" / "blender"):
     sys.path.insert(0, str(folder))
 addon_host = importlib.import_module("addon_host")
 scenes = importlib.import_module("scenes")
-told = importlib.import_module("story")
+events = importlib.import_module("story")
 hand_of = importlib.import_module("hand")
 
 TICK = 0.02
@@ -288,4 +288,4 @@ def report(one: Measured) -> None:
 
 
 if __name__ == "__main__":
-    told.begin(story, TICK)
+    events.begin(story, TICK)

@@ -89,10 +89,9 @@ def mixed(*kinds: tuple[int, float], count: int = 1_600) -> Callable[[], Found]:
         seconds = optimized(obj)
         places, names = points(obj)
         share = overlap(places, scenes.radii_of(obj, names))
-        told = obj.dapple.report.worst_overlap
-        wrong = (
-            "" if abs(max(share, 0.0) - told) < 1e-3 else f"overlap {share:.3f} told as {told:.3f}"
-        )
+        reported = obj.dapple.report.worst_overlap
+        is_right = abs(max(share, 0.0) - reported) < 1e-3
+        wrong = "" if is_right else f"overlap {share:.3f} reported as {reported:.3f}"
         return Found(seconds=seconds, overlap=share, wrong=wrong)
 
     return run

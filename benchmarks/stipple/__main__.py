@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Judges stippled pictures; prints Markdown tables, progress on stderr, and writes the pictures.
 
-How dots are compared with the picture is told in measure.py. Run through benchmarks/stipple/run.sh,
+measure.py describes how dots are compared with the picture. Run through benchmarks/stipple/run.sh,
 which sets everything up first.
 """
 

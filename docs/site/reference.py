@@ -74,8 +74,8 @@ def room_page(room: str, what: str, names: list[str], found: list[Entry]) -> str
 def write_rooms(xml: Path, to: Path) -> None:
     """A page for each room with public headers, from the table in docs/development/rooms.md."""
     text = (rooms.ROOT / rooms.PAGE).read_text(encoding="utf-8")
-    told = re.findall(r"^\| `([a-z]+)/` \| ([^|]*?) \|", text, re.MULTILINE)
-    what = {room: words[0].upper() + words[1:] for room, words in told}
+    rows = re.findall(r"^\| `([a-z]+)/` \| ([^|]*?) \|", text, re.MULTILINE)
+    what = {room: words[0].upper() + words[1:] for room, words in rows}
     found = list(entries(xml))
     shown = {one.header for one in found}
     listed = {

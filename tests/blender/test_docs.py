@@ -59,7 +59,7 @@ def test_the_script_for_exports_runs(tmp_path):
     assert (tmp_path / f"trees{suffix}").stat().st_size > 1000
 
 
-def test_every_operator_and_property_is_told():
+def test_every_operator_and_property_is_reported():
     for name in dir(bpy.ops.dapple):
         assert f"`{name}(" in TEXT, f"no word of bpy.ops.dapple.{name}"
     groups = {"": scenes.scattered(scenes.sphere()).dapple}
@@ -78,10 +78,10 @@ def test_every_operator_and_property_is_told():
     for prefix, group in groups.items():
         for name in set(group.bl_rna.properties.keys()) - internal:
             parts = name.removeprefix("slope_").removeprefix("height_")
-            told = (
+            mentioned = (
                 name in TEXT or (prefix and parts in TEXT) or (name in options and name in OPTIONS)
             )
-            assert told or name.startswith(stored), f"no word of {prefix}{name}"
+            assert mentioned or name.startswith(stored), f"no word of {prefix}{name}"
 
 
 def texts() -> set[str]:

@@ -274,7 +274,7 @@ def half_black(rows):
     return image
 
 
-def test_images_and_collections_of_the_same_name_in_two_files_are_told_apart(tmp_path):
+def test_images_and_collections_of_the_same_name_in_two_files_are_reported_apart(tmp_path):
     path = str(tmp_path / "paint.blend")
     half_black((1.0, 0.0)).use_fake_user = True
     bpy.ops.mesh.primitive_cube_add(size=2.0, location=(-1.0, 0.0, 0.0))

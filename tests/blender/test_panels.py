@@ -226,7 +226,7 @@ def test_a_baked_scatter(mode):
     assert ("fade_duration" in shown) == (mode == "KEEP_DENSITY")
 
 
-def test_a_body_with_other_faces_in_the_render_is_told_in_one_sentence():
+def test_a_body_with_other_faces_in_the_render_is_reported_in_one_sentence():
     scenes.tail(levels=1, render_levels=2)
     shown = drawn()
     assert "dapple.add_scatter" in shown

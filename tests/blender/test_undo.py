@@ -27,16 +27,16 @@ def values(group):
 
 def state():
     """Everything that an undo must bring back, without references that it leaves dangling."""
-    told = scenes.snapshot()
-    told["active"] = told["active"] and told["active"].name
-    told["selected"] = sorted(obj.name for obj in told["selected"])
+    found = scenes.snapshot()
+    found["active"] = found["active"] and found["active"].name
+    found["selected"] = sorted(obj.name for obj in found["selected"])
     for obj in [one for one in bpy.data.objects if one.dapple.surface]:
-        told[obj.name] = values(obj.dapple)
-        told[f"{obj.name} in nodes"] = obj.modifiers[0].node_group.name
-        told[f"{obj.name} plays"] = [played(obj, frame) for frame in (1, 2, 3)]
+        found[obj.name] = values(obj.dapple)
+        found[f"{obj.name} in nodes"] = obj.modifiers[0].node_group.name
+        found[f"{obj.name} plays"] = [played(obj, frame) for frame in (1, 2, 3)]
         tiles = obj.dapple.tiles.object
-        told["tiles"] = tiles and [tuple(vertex.co) for vertex in tiles.data.vertices]
-    return told
+        found["tiles"] = tiles and [tuple(vertex.co) for vertex in tiles.data.vertices]
+    return found
 
 
 def played(obj, frame):
@@ -170,11 +170,11 @@ def test_undo_is_as_before_and_redo_as_after(name, prepare, options):
     assert getattr(bpy.ops.dapple, name)("EXEC_DEFAULT", True, **options) == {"FINISHED"}
     again = state()
     for one in (after, again):  # the time and the key of a new object may differ
-        for told in one.values():
-            if isinstance(told, dict):
+        for values_of_one in one.values():
+            if isinstance(values_of_one, dict):
                 for shown in ("report", "solved"):
-                    told.pop(f"{shown}.milliseconds", None)
-                told.pop("bake_key", None)
+                    values_of_one.pop(f"{shown}.milliseconds", None)
+                values_of_one.pop("bake_key", None)
     assert again == after
     if name == "load_preset":
         assert bpy.ops.dapple.remove_preset(**options) == {"FINISHED"}

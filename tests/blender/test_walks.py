@@ -203,18 +203,18 @@ def check():
 
 @pytest.mark.parametrize("seed", range(FIRST, FIRST + WALKS))
 def test_walks(seed, tmp_path):
-    chance, told = random.Random(seed), []
+    chance, moves_done = random.Random(seed), []
     prepared()
     bpy.ops.ed.undo_push(message="Prepared")
     try:
         for _ in range(STEPS):
             move = chance.choice(MOVES)
-            told.append(move.__name__)
-            told[-1] = move(chance, tmp_path)
+            moves_done.append(move.__name__)
+            moves_done[-1] = move(chance, tmp_path)
             bpy.context.view_layer.update()
             check()
     except BaseException:
-        steps = "\n  ".join(told)
+        steps = "\n  ".join(moves_done)
         print(f"To repeat: DAPPLE_FIRST={seed} DAPPLE_WALKS=1 DAPPLE_STEPS={STEPS}\n  {steps}")
         raise
     finally:

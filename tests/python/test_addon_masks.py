@@ -259,7 +259,7 @@ def test_channels_of_an_image(channels):
     np.testing.assert_allclose(mesh_snapshot.shade(image, "BRIGHTNESS"), expected)
 
 
-def test_an_empty_channel_is_told():
+def test_an_empty_channel_is_reported():
     pixels = np.ones((2, 2, 4), dtype=np.float32)
     pixels[:, :, 1] = 0.0
     with pytest.raises(Exception, match="Image 'Any' is 0 in its channel Green everywhere"):

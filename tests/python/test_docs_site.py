@@ -66,7 +66,7 @@ def test_every_public_header_has_a_room():
     assert sorted(listed) == [path.stem for path in HEADERS]
 
 
-def test_every_option_is_told_at_its_member():
+def test_every_option_is_reported_at_its_member():
     tables = [row for one in option_headers.read_headers(ROOT) for row in one.tables.values()]
     assert sum(not member.is_group for members in tables for member in members) > 30
     written = "".join(headers.filtered(path.read_text()) for path in HEADERS)

@@ -275,7 +275,7 @@ class Own:
         return {"kind": "own", "size": np.int64(3), "corners": (1, np.float32(0.5))}
 
 
-def test_another_surface_of_a_class_without_digests_is_told_by_its_tile(tmp_path, whole):
+def test_another_surface_of_a_class_without_digests_is_reported_by_its_tile(tmp_path, whole):
     made(tmp_path, Own(HeightField(HEIGHTS)))
     made(without_first(tmp_path), Own(HeightField(HEIGHTS)))
     assert (

@@ -152,7 +152,7 @@ def test_matrices_become_turns_and_scales(normals):
     assert not skewed.any()
 
 
-def test_skewed_matrices_are_told_and_flat_ones_are_none():
+def test_skewed_matrices_are_reported_and_flat_ones_are_none():
     matrices = np.tile(np.eye(4), (3, 1, 1))
     matrices[1, 0, 1] = 0.1
     matrices[2, 2, 2] = 0.0

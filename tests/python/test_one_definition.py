@@ -184,7 +184,7 @@ def test_a_motion_keeps_its_own_limit_of_evaluations(core):
     assert not {"seed", "max_evaluations"} & options.keys()
 
 
-def test_settings_of_the_add_on_are_told_as_they_are(root):
+def test_settings_of_the_add_on_are_reported_as_they_are(root):
     """scripts/setting_tables.py --write mends it."""
     command = [sys.executable, str(root / "scripts/setting_tables.py")]
     found = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -244,7 +244,7 @@ def test_a_default_of_another_number_is_found(root):
 
 
 @pytest.mark.parametrize("verb", VERBS)
-def test_every_option_is_told(verb):
+def test_every_option_is_reported(verb):
     for option in TABLES[verb]:
         assert re.fullmatch(r"[A-Z].*\w[).]*\.", option.documentation), option.name
         assert option.level in ("basic", "expert")

@@ -65,7 +65,7 @@ def test_what_a_requirement_brings_is_pinned_too():
     assert there == {name: found.get(name) for name in there}
 
 
-def test_what_installs_packages_is_told_the_versions(root):
+def test_what_installs_packages_is_reported_the_versions(root):
     """But where the versions are in the command, and no dependency comes along."""
     known = re.compile(r"-c |--no-deps|--no-index|uv==|pip_install\(\)")
     for path in [*root.glob("scripts/*.sh"), *root.glob("tests/*.sh"), *root.glob("*/*/run.sh")]:

@@ -53,7 +53,7 @@ def test_a_tracker_carries_samples_over_split_edges(whole):
     assert report.alpha_min > 0.5
 
 
-def test_the_command_line_connects_split_edges_unless_told(whole, tmp_path):
+def test_the_command_line_connects_split_edges_unless_reported(whole, tmp_path):
     mesh = tmp_path / "soup.npz"
     vertices, faces = soup(*whole)
     np.savez(mesh, vertices=vertices, faces=faces)

@@ -38,7 +38,7 @@ assert not hasattr(bpy.types.Object, "dapple")
 with bpy.data.libraries.load(arguments[1], assets_only=True) as (found, wanted):
     wanted.node_groups = list(found.node_groups)
 groups = dict(zip(found.node_groups, wanted.node_groups))
-told = json.loads(arguments[2])
+given = json.loads(arguments[2])
 expected = np.load(arguments[3])
 
 
@@ -67,7 +67,7 @@ def shown(kind, build):
     cloud = node("GeometryNodeMeshToPoints", Mesh=node("NodeGroupInput").outputs[0]).outputs[0]
     last = build(node, attribute, cloud).outputs[0]
     tree.links.new(last, node("NodeGroupOutput").inputs[0])
-    host = bpy.data.objects.new("Host", bpy.data.objects[told[kind]["scatter"]].data)
+    host = bpy.data.objects.new("Host", bpy.data.objects[given[kind]["scatter"]].data)
     host.location = (1, 2, 3)
     host.modifiers.new("Chain", "NODES").node_group = tree
     bpy.context.scene.collection.objects.link(host)
@@ -76,8 +76,8 @@ def shown(kind, build):
 
 
 def inputs(kind):
-    objects = {name: bpy.data.objects[value] for name, value in told[kind]["objects"].items()}
-    return {**objects, **told[kind]["plain"]}
+    objects = {name: bpy.data.objects[value] for name, value in given[kind]["objects"].items()}
+    return {**objects, **given[kind]["plain"]}
 
 
 def bound(kind, geometry, node):
@@ -221,8 +221,8 @@ def test_the_same_groups_give_the_same_bytes(assets, tmp_path):
     assert (tmp_path / "again.blend").read_bytes() == assets.read_bytes()
 
 
-def told(obj):
-    """What the modifier of a scatter is told, to be told to an asset."""
+def inputs_of(obj):
+    """Inputs of the modifier of a scatter, to be set on an asset."""
     nodes = addon_host.part("nodes")
     names = [name for name, kind in nodes.INPUTS if kind != "NodeSocketGeometry"]
     values = {name.replace(" ", "_"): nodes.get_input(obj.modifiers[0], name) for name in names}
@@ -247,7 +247,7 @@ def test_without_the_add_on_each_asset_plays_points_behind_other_nodes(assets, t
         bpy.context.scene.frame_set(2, subframe=0.5)
         found[f"{kind}_positions"] = scenes.positions(obj)
         found[f"{kind}_rotations"] = scenes.rotations(obj)
-        arguments[kind] = told(obj)
+        arguments[kind] = inputs_of(obj)
         bpy.context.scene.frame_set(1)
     np.savez(tmp_path / "expected.npz", **found)
     for obj in list(bpy.data.objects):

@@ -96,7 +96,7 @@ def test_outside_the_range_the_first_and_the_last_key_hold():
         assert np.abs(scenes.positions(obj) - expected).max() < tolerance(surface)
 
 
-def test_keys_every_few_frames_play_and_their_error_is_told(tracked):
+def test_keys_every_few_frames_play_and_their_error_is_reported(tracked):
     surface = scenes.tail(frames=FRAMES)
     obj = scenes.scattered(surface)
     obj.dapple.keyframe_step = 3

@@ -53,7 +53,7 @@ def test_without_windows_all_of_it_is_done_at_once(made, steps):
     assert found.done == [21]
 
 
-def test_what_fails_at_once_is_raised_and_what_fails_later_is_told(made, steps, jobs):
+def test_what_fails_at_once_is_raised_and_what_fails_later_is_reported(made, steps, jobs):
     def failing():
         raise addon_host.part("core.base.errors").ScatterError("There is no surface")
         yield
@@ -69,7 +69,7 @@ def test_what_fails_at_once_is_raised_and_what_fails_later_is_told(made, steps, 
     assert not found.undo
 
 
-def test_an_unexpected_error_is_told_with_the_name_of_the_work(made, capfd):
+def test_an_unexpected_error_is_reported_with_the_name_of_the_work(made, capfd):
     def failing():
         yield from ()
         raise ZeroDivisionError("by nothing")

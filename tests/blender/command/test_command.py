@@ -145,7 +145,7 @@ def test_help_is_no_error(capfd):
         (("--json", "."), "'.' is a folder"),
     ],
 )
-def test_bad_input_is_1_and_is_told_before_any_work(path, capfd, arguments, words):
+def test_bad_input_is_1_and_is_reported_before_any_work(path, capfd, arguments, words):
     before = path.read_bytes()
     assert command("bake", *arguments) == 1
     assert words in capfd.readouterr().err
@@ -213,7 +213,7 @@ def test_only_what_is_out_of_date_is_baked_when_asked(tmp_path):
     assert opened(path)["Scales"].dapple.baked_keys == FRAMES
 
 
-def test_optimize_keeps_a_bake_unless_told(path):
+def test_optimize_keeps_a_bake_unless_it_may_delete_it(path):
     assert command("bake") == 0
     bpy.data.objects["Scales"].dapple.count = 70
     assert command("optimize") == 1
@@ -251,7 +251,7 @@ def test_export_writes_the_frames_that_are_asked_for(tmp_path):
         (("points.csv", "--frame", "1", "--frames", "1-2"), 2, "not allowed with argument"),
     ],
 )
-def test_what_cannot_be_exported_is_told(path, capfd, arguments, code, words):
+def test_what_cannot_be_exported_is_reported(path, capfd, arguments, code, words):
     assert command("export", *arguments) == code
     assert words in capfd.readouterr().err
 
@@ -448,7 +448,7 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch, blender):
     assert opened(path)["Pebbles"].dapple.baked_keys == 3
 
 
-def test_every_option_is_told():
+def test_every_option_is_documented():
     page = (DOCS / "farm.md").read_text()
     arguments = addon_host.part("blender.command.arguments")
     parser = arguments.parser()
@@ -456,8 +456,8 @@ def test_every_option_is_told():
     for name, verb in verbs.choices.items():
         assert f"| `{name}" in page
         for action in verb._actions:
-            told = [*action.option_strings, action.metavar][0]
-            assert action.dest == "help" or told in page, action.dest
+            option = [*action.option_strings, action.metavar][0]
+            assert action.dest == "help" or option in page, action.dest
 
 
 def test_the_command_comes_and_goes_with_the_addon(addon):

@@ -202,7 +202,7 @@ def test_an_object_that_is_hidden_counts():
         ("far", "density is 0"),
     ],
 )
-def test_what_a_distance_cannot_be_measured_to_is_told(given, said):
+def test_what_a_distance_cannot_be_measured_to_is_reported(given, said):
     surface, curve = plane(), path(((0, 0, 50), (1, 0, 50)))
     obj = scenes.scattered(surface, count=50)
     before, density = scenes.positions(obj), obj.dapple.density
@@ -433,13 +433,13 @@ def test_settings_of_a_mask_that_is_off_change_nothing():
     assert reason(obj) == ""
 
 
-def test_a_surface_that_turns_under_an_aspect_is_told():
+def test_a_surface_that_turns_under_an_aspect_is_reported():
     obj = solved(scenes.sphere(), use_aspect=True)
     obj.dapple.surface.rotation_euler.z = 0.5
     assert "was rotated or moved, and the density depends on it" in reason(obj)
 
 
-def test_another_origin_under_noise_is_told():
+def test_another_origin_under_noise_is_reported():
     surface = scenes.sphere()
     obj = solved(surface, use_noise=True)
     for vertex in surface.data.vertices:
@@ -449,7 +449,7 @@ def test_another_origin_under_noise_is_told():
 
 
 @pytest.mark.parametrize("density", [{"use_noise": True}, {"use_noise": True, "use_height": True}])
-def test_a_shape_that_was_edited_is_told_before_what_follows_from_that(density):
+def test_a_shape_that_was_edited_is_reported_before_what_follows_from_that(density):
     surface = scenes.sphere()
     obj = solved(surface, **density)
     surface.data.vertices[17].co *= 1.5

@@ -62,7 +62,7 @@ def test_the_shown_class_counts(overlay):
     assert len(np.unique(colors, axis=0)) > 1
 
 
-def test_what_cannot_be_shown_is_told_and_ends(overlay):
+def test_what_cannot_be_shown_is_reported_and_ends(overlay):
     obj = sloped(attribute="Nowhere")
     with pytest.raises(RuntimeError, match="no attribute or vertex group 'Nowhere'"):
         bpy.ops.dapple.show_density()
@@ -206,7 +206,7 @@ def test_colors_are_computed_by_a_worker_and_the_last_ones_are_shown_until_then(
     assert not {thread.name for thread in threads} & {"MainThread"}
 
 
-def test_what_cannot_be_shown_is_told_by_the_panel_of_a_window(overlay, monkeypatch):
+def test_what_cannot_be_shown_is_reported_by_the_panel_of_a_window(overlay, monkeypatch):
     obj = sloped(attribute="Nowhere")
     monkeypatch.setattr(addon_host.part("blender.base.jobs"), "at_once", False)
     overlay.start(obj)

@@ -306,7 +306,7 @@ TROUBLES = [
 
 @pytest.mark.parametrize("name", OPERATORS)
 @pytest.mark.parametrize(("spoil", "message"), TROUBLES)
-def test_what_cannot_be_painted_is_told_and_nothing_changes(obj, spoil, message, name):
+def test_what_cannot_be_painted_is_reported_and_nothing_changes(obj, spoil, message, name):
     spoil(obj, obj.dapple.surface)
     before = everything()
     with pytest.raises(RuntimeError, match=message):
@@ -342,7 +342,7 @@ def test_what_a_new_group_is_called_is_said_once():
 
 
 def test_it_is_said_where_no_brush_is_chosen(obj, monkeypatch):
-    """Some Blenders come without brushes: strokes did nothing, and nothing told why."""
+    """Some Blenders come without brushes: strokes did nothing, without a message."""
     panel = addon_host.part("blender.density.panel")
     assert panel.lacks_brush("builtin.brush", None)
     assert not panel.lacks_brush("builtin.gradient", None)

@@ -274,7 +274,7 @@ def test_a_range_of_heights_is_met_within_faces():
         ("covered", "density is 0"),
     ],
 )
-def test_what_cannot_be_a_density_is_told_and_nothing_is_lost(given, said):
+def test_what_cannot_be_a_density_is_reported_and_nothing_is_lost(given, said):
     surface = plane()
     obj = scenes.scattered(surface, count=50)
     before, density = scenes.positions(obj), obj.dapple.density

@@ -39,7 +39,7 @@ def over_the_field():
 
 
 def detailed(obj, **settings):
-    """Switch the level of detail on, with nothing but the distance unless told."""
+    """Switch the level of detail on, by default with the distance only."""
     plain = {
         "outside_view": 1.0,
         "margin": 0.0,

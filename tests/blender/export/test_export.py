@@ -138,7 +138,7 @@ def test_gltf_is_written_where_no_window_is_current(tmp_path, trees):
 
 
 @pytest.mark.usefixtures("needs_gltf")
-def test_what_blenders_exporter_refuses_is_told(tmp_path, trees, monkeypatch):
+def test_what_blenders_exporter_refuses_is_reported(tmp_path, trees, monkeypatch):
     def failing(*_arguments):
         raise KeyError("unknown node")
 
@@ -219,7 +219,7 @@ def test_tables_hold_the_same_in_columns(tmp_path, trees):
     assert sorted(arrays["names"]) == ["Oak", "Pine"]
 
 
-def test_object_types_are_told_and_cones_are_things_too(tmp_path):
+def test_object_types_are_reported_and_cones_are_things_too(tmp_path):
     obj = with_classes(scenes.sphere(), {}, {}, count=40)
     obj.dapple.object_types[0].instance = solid("Rock")
     part("points").export_points(tmp_path / "types.npz", [obj])

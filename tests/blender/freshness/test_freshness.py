@@ -20,7 +20,7 @@ def part():
 
 @pytest.fixture
 def waiting(monkeypatch):
-    """As in a window: who asks is told what a timer has found; how often things were read."""
+    """As in a window: the panel shows what a timer has found. Yields how often things were read."""
     freshness, reads = part(), Counter()
     monkeypatch.setattr(freshness, "at_once", False)
     monkeypatch.setattr(freshness, "is_shown", lambda obj: obj == bpy.context.object)

@@ -79,7 +79,7 @@ def test_locked_points_stay_in_their_classes():
     np.testing.assert_allclose(scenes.positions(obj)[locked], kept, atol=1e-5)
 
 
-def test_unlocking_and_too_many_are_told():
+def test_unlocking_and_too_many_are_reported():
     obj = scenes.scattered(scenes.sphere(), count=50)
     select(obj, [])
     with pytest.raises(RuntimeError, match="no point is selected"):

@@ -76,7 +76,7 @@ def test_a_point_is_added_moved_and_removed_by_scripts(obj):
     assert "Points were placed by hand" in reason(obj)
 
 
-def test_what_cannot_be_placed_is_told_and_nothing_changes(obj):
+def test_what_cannot_be_placed_is_reported_and_nothing_changes(obj):
     before = scenes.snapshot()
     for name in ("move_point", "remove_point"):
         with pytest.raises(RuntimeError, match="'Sphere Scatter' has no point 4000"):
@@ -352,7 +352,7 @@ class Pulled:
 
 
 class Mouse:
-    """Events over a place, in a window that notes what it is told."""
+    """Events over a place, in a window that records its calls."""
 
     def __init__(self, monkeypatch):
         self.tool = addon_host.part("blender.hand_points.tool")

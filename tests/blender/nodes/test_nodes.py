@@ -277,25 +277,25 @@ def test_things_are_smaller_where_the_density_is_less():
 
 
 def test_a_tick_of_a_slider_does_not_build_the_relations_of_the_scene():
-    """That takes longer the more objects there are; the scene is told of only then."""
+    """That takes longer the more objects there are; the scene is listed only then."""
     obj = scenes.scattered(scenes.sphere())
     bpy.ops.dapple.edit_object_types(action="ADD")
     bpy.ops.dapple.edit_object_types(action="ADD")
     bpy.context.view_layer.update()
-    told = []
+    kinds = []
 
     def updated(_scene, depsgraph):
-        told.extend(type(one.id).__name__ for one in depsgraph.updates)
+        kinds.extend(type(one.id).__name__ for one in depsgraph.updates)
 
     bpy.app.handlers.depsgraph_update_post.append(updated)
     try:
         obj.dapple.object_types[1].scale = 2.0
         bpy.context.view_layer.update()
-        assert "Object" in told
-        assert "Scene" not in told
-        told.clear()
+        assert "Object" in kinds
+        assert "Scene" not in kinds
+        kinds.clear()
         obj.dapple.object_types[1].instance = obj.dapple.surface
         bpy.context.view_layer.update()
-        assert "Scene" in told
+        assert "Scene" in kinds
     finally:
         bpy.app.handlers.depsgraph_update_post.remove(updated)

@@ -144,7 +144,7 @@ def test_a_collection_without_classes():
     assert min(names.count("One"), names.count("Two")) > 8
 
 
-def test_things_with_radii_are_kept_apart_and_the_worst_pair_is_told():
+def test_things_with_radii_are_kept_apart_and_the_worst_pair_is_reported():
     surface = scenes.sphere()
     obj = with_classes(surface, {"radius": 0.16}, {"radius": 0.08}, count=60)
     radii = np.array([0.16, 0.08])[classes_of(obj)]
@@ -345,7 +345,7 @@ def test_an_overlap_of_points_that_were_deleted_is_said_or_found_by_their_ids():
         bpy.ops.dapple.select_overlap()
 
 
-def test_counts_of_classes_are_told_for_points_per_area():
+def test_counts_of_classes_are_reported_for_points_per_area():
     labels = addon_host.part("blender.object_types.operators").count_labels
     obj = with_classes(scenes.sphere(), {"weight": 2.0}, {"weight": 1.0}, count=60)
     obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", 20.0

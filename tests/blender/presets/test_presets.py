@@ -122,7 +122,7 @@ def test_new_scatters_begin_with_the_object_types_of_the_default(folder):
     assert addon_host.part("blender.scatter.object").settings_reason(new) == ""
 
 
-def test_a_default_whose_object_type_does_not_fit_is_told(folder, capfd):
+def test_a_default_whose_object_type_does_not_fit_is_reported(folder, capfd):
     obj = with_types(scenes.scattered(scenes.sphere(), count=40), *TYPES)
     obj.dapple.object_types[1].density = "Clearing"
     bpy.ops.dapple.save_preset(name="Default")
@@ -133,7 +133,7 @@ def test_a_default_whose_object_type_does_not_fit_is_told(folder, capfd):
     assert [(kind.name, kind.density) for kind in kinds] == [("Rocks", ""), ("Grass", "")]
 
 
-def test_a_preset_with_a_broken_object_type_is_told_and_changes_nothing(folder):
+def test_a_preset_with_a_broken_object_type_is_reported_and_changes_nothing(folder):
     obj = with_types(scenes.scattered(scenes.sphere(), count=40), *TYPES)
     bpy.ops.dapple.save_preset(name="Meadow")
     path = folder / "Meadow.json"
@@ -188,7 +188,7 @@ def test_a_default_per_area_gives_way_to_a_count(folder):
         ),
     ],
 )
-def test_a_broken_preset_is_told_and_changes_nothing(folder, text, said):
+def test_a_broken_preset_is_reported_and_changes_nothing(folder, text, said):
     obj = scenes.scattered(scenes.sphere(), count=40)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "Broken.json").write_text(text)
@@ -214,7 +214,7 @@ def test_a_name_that_is_no_file_is_refused(folder, name):
     assert not list(folder.glob("**/*.json"))
 
 
-def test_a_preset_that_is_gone_is_told(folder):
+def test_a_preset_that_is_gone_is_reported(folder):
     scenes.scattered(scenes.sphere(), count=20)
     for operator in (bpy.ops.dapple.load_preset, bpy.ops.dapple.remove_preset):
         with pytest.raises(RuntimeError, match="no preset 'Gone'"):
@@ -242,15 +242,15 @@ def of(density=None, **own):
         (of({"curvature": 0.5}, align_to_normal="UPRIGHT"), "align_to_normal"),
     ],
 )
-def test_a_default_that_does_not_fit_is_left_out_and_told(folder, text, said, capfd):
+def test_a_default_that_does_not_fit_is_left_out_and_reported(folder, text, said, capfd):
     default(folder, text)
     scenes.sphere()
     assert bpy.ops.dapple.add_scatter() == {"FINISHED"}
     new = bpy.context.object
     assert len(scenes.positions(new)) == 40, "what fits is taken"
     assert new.dapple.density.curvature == 0.5
-    told = capfd.readouterr().out
-    assert re.search(f"Warning: Preset 'Default' does not fit here, skipped: .*{said}", told)
+    printed = capfd.readouterr().out
+    assert re.search(f"Warning: Preset 'Default' does not fit here, skipped: .*{said}", printed)
     assert addon_host.part("blender.scatter.object").settings_reason(new) == ""
 
 
@@ -268,8 +268,8 @@ def test_a_default_that_leaves_no_point_does_not_block_add(folder, text, said, c
     scenes.sphere()
     assert bpy.ops.dapple.add_scatter() == {"FINISHED"}
     assert len(scenes.positions(bpy.context.object)) in (40, 1000)
-    told = capfd.readouterr().out
-    assert re.search(f"Warning: Preset 'Default'.*{said}", told)
+    printed = capfd.readouterr().out
+    assert re.search(f"Warning: Preset 'Default'.*{said}", printed)
 
 
 def test_a_default_with_a_binding_that_cannot_be_gives_way(folder, capfd):

@@ -216,7 +216,7 @@ def test_the_panel_is_german(german):
     assert f"Veraltet: {reason}" in shown.replace("|", " ")
 
 
-def test_items_of_menus_are_told_from_blenders_own_words(german):
+def test_items_of_menus_are_reported_from_blenders_own_words(german):
     """Blender's Aspect is that of pictures, its Border that of a render."""
     obj = scenes.scattered(scenes.sphere())
     prop = obj.dapple.density.bl_rna.properties["shown_term"]

@@ -176,7 +176,7 @@ def test_things_turn_with_the_surface():
     assert np.abs(scenes.rotations(obj) - turn @ before).max() < 1e-3
 
 
-def test_copies_of_the_rest_shape_are_told_apart():
+def test_copies_of_the_rest_shape_are_reported_apart():
     surface = scenes.sphere()
     array = surface.modifiers.new("Array", "ARRAY")
     array.count, array.relative_offset_displace = 3, (2.0, 0.0, 0.0)

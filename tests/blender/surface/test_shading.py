@@ -244,7 +244,7 @@ def test_an_export_has_the_shading_normals(tmp_path):
 
 
 @pytest.mark.parametrize("make", [cube, smooth_monkey, cylinder_smooth_by_angle])
-def test_the_package_is_told_the_shading_normals(make):
+def test_the_package_is_reported_the_shading_normals(make):
     surface = make()
     part = addon_host.part
     reading, settings = part("blender.surface.mesh"), part("core.settings.values")

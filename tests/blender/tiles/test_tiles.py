@@ -209,7 +209,7 @@ def test_tiles_follow_the_frame():
     assert not np.allclose(*extents, atol=0.5)
 
 
-def test_a_grout_that_takes_some_tiles_is_told():
+def test_a_grout_that_takes_some_tiles_is_reported():
     obj = scenes.scattered(scenes.sphere(), count=60)
     made = tiled(obj, grout=0.85, random_inset=0.1)
     assert 0 < len(set(column(made.data, "cell", np.int32))) < 60

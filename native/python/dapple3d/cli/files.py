@@ -51,8 +51,8 @@ def _reading(path: Path, form: str) -> Iterator[None]:
     except FileNotFoundError:
         raise
     except (OSError, *BROKEN) as error:
-        told = " ".join(str(error).split())
-        raise click.ClickException(f"{path}: could not be read as {form}: {told}") from error
+        reason = " ".join(str(error).split())
+        raise click.ClickException(f"{path}: could not be read as {form}: {reason}") from error
 
 
 def load_npz(path: Path) -> Arrays:

@@ -366,8 +366,8 @@ def _telling(path: Path, before: str) -> Iterator[None]:
     try:
         yield
     except _pxr().Tf.ErrorException as error:
-        told = error.args[0].commentary.removeprefix("Error occurred writing file: ")
-        raise OSError(None, before + told, str(path)) from error
+        reason = error.args[0].commentary.removeprefix("Error occurred writing file: ")
+        raise OSError(None, before + reason, str(path)) from error
 
 
 # Reading

@@ -30,8 +30,8 @@ class Wanted:
 
     def settings(self, count: int) -> dict[str, Any]:
         """The entry of a report for a class with that many points."""
-        told = {"count": count, "radius": self.radius, "density": self.density}
-        return told | options.given({"spacing": self.spacing})
+        own = {"count": count, "radius": self.radius, "density": self.density}
+        return own | options.given({"spacing": self.spacing})
 
     def amount(self, surface: dapple.Surface) -> int:
         """About how many points it has."""

@@ -110,9 +110,9 @@ def read_plan(path: Path) -> Plan:
         document = json.loads(path.read_text(encoding="utf-8"))
         _check(document)
     except BROKEN as error:
-        told = " ".join(str(error).split())
+        reason = " ".join(str(error).split())
         raise ValueError(
-            f"{path}: cannot be used: {told}; remove it, and the same call makes it again"
+            f"{path}: cannot be used: {reason}; remove it, and the same call makes it again"
         ) from error
     rows, columns = np.array(document["rows"], float), np.array(document["columns"], float)
     first, second = document["axes"]
