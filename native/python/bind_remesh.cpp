@@ -8,6 +8,7 @@
 #include "keywords.hpp"
 #include "pickling.hpp"
 #include "profile.hpp"
+#include "to_dict.hpp"
 
 namespace dapple {
 
@@ -60,30 +61,6 @@ py::array features_of(const RemeshResult& mesh) {
   return give(std::move(values));
 }
 
-py::dict dict_of(const RemeshReport& r) {
-  py::dict d;
-  d["asked"] = r.asked;
-  d["vertices"] = r.vertices;
-  d["faces"] = r.faces;
-  d["on_lines"] = r.on_lines;
-  d["corners"] = r.corners;
-  d["dropped_lines"] = r.dropped_lines;
-  d["smallest_angle"] = r.smallest_angle;
-  d["mean_smallest_angle"] = r.mean_smallest_angle;
-  d["below_30"] = r.below_30;
-  d["valence_6"] = r.valence_6;
-  d["flipped"] = r.flipped;
-  d["nonmanifold_edges"] = r.nonmanifold_edges;
-  d["euler"] = r.euler;
-  d["border_loops"] = r.border_loops;
-  d["flaws"] = r.flaws;
-  d["evaluations"] = r.evaluations;
-  d["converged"] = r.converged;
-  d["seconds"] = r.seconds;
-  d["profile"] = profile_dict(r.profile);
-  return d;
-}
-
 void bind_report(py::module_& m) {
   py::class_<RemeshReport, std::shared_ptr<RemeshReport>> type(m, "RemeshReport",
                                                                "The quality of a remesh.");
@@ -122,7 +99,7 @@ void bind_report(py::module_& m) {
       .def_property_readonly(
           "profile", [](const RemeshReport& r) { return profile_dict(r.profile); },
           "A dict of seconds by stage, which sum to `seconds`.")
-      .def("to_dict", &dict_of, "All of it as a dict that json can write.");
+      .def("to_dict", &to_dict, "All of it as a dict that json can write.");
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "keywords.hpp"
 #include "pickling.hpp"
 #include "profile.hpp"
+#include "to_dict.hpp"
 
 namespace dapple::python {
 namespace {
@@ -82,30 +83,11 @@ std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& 
   });
 }
 
-py::dict quality_dict(const Quality& quality) {
-  using namespace py::literals;
-  return py::dict("count"_a = quality.count, "spacing"_a = quality.spacing,
-                  "alpha_min"_a = quality.evenness.alpha_min,
-                  "alpha_mean"_a = quality.evenness.alpha_mean,
-                  "capacity_variation"_a = quality.evenness.capacity_variation,
-                  "bond_order"_a = quality.bond_order, "energy"_a = quality.energy,
-                  "whole_count_variation"_a = quality.whole_count_variation,
-                  "thin_share"_a = quality.evenness.thin_share);
-}
-
-py::dict report_dict(const Report& report) {
-  using namespace py::literals;
+py::dict report_dict(const py::object& self) {
+  py::dict result = to_dict(self);
   py::list classes;
-  for (const Quality& quality : report.classes) classes.append(quality_dict(quality));
-  py::dict result = quality_dict(report);
-  result.attr("update")(py::dict(
-      "classes"_a = classes, "worst_overlap"_a = report.worst_overlap,
-      "overlapping"_a = py::make_tuple(report.overlapping[0], report.overlapping[1]),
-      "evaluations"_a = report.evaluations, "iterations"_a = report.iterations,
-      "parts"_a = report.parts, "converged"_a = report.converged, "seconds"_a = report.seconds,
-      "profile"_a = profile_dict(report.profile), "energies"_a = report.energies,
-      "slide_mean"_a = report.slide_mean, "slide_median"_a = report.slide_median,
-      "slide_max"_a = report.slide_max, "births"_a = report.births, "deaths"_a = report.deaths));
+  for (const py::handle quality : self.attr("classes")) classes.append(to_dict(quality));
+  result["classes"] = classes;
   return result;
 }
 
