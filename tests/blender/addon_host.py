@@ -19,8 +19,8 @@ MODULE = "bl_ext.dapple_tests.dapple"
 
 
 def add_repository(folder: Path) -> None:
-    """A repository of extensions in folder, holding the add-on as it lies in the checkout, or as
-    it was installed from the tested zip.
+    """Add a repository of extensions in a folder, with the add-on of the checkout or of the tested
+    zip.
     """
     folder.mkdir(parents=True, exist_ok=True)
     if not TESTED_ZIP:

@@ -29,12 +29,12 @@ os._exit(0)
 
 
 def run(script, *arguments, **environment):
-    """What a script prints; it finds its arguments in `arguments`."""
+    """Run a script, which finds its arguments in `arguments`; returns what it prints."""
     return _said(_done(_command, script, *arguments, **environment))
 
 
 def bare(script, *arguments, **environment):
-    """As run, in a Blender as users have it: its Python finds bpy and what that needs."""
+    """Like run, but in a Blender as users have it: its Python finds only bpy and its modules."""
     environment.setdefault("PATH", _path_without_virtual_environments())
     return _said(_done(_bare_command, script, *arguments, **environment))
 
@@ -47,7 +47,7 @@ def killed(script, *arguments, **environment):
 
 @contextmanager
 def started(script, *arguments, **environment):
-    """A script under way in a process of its own, which is gone at the end."""
+    """Start a script in a process, which is ended at the end of the block."""
     with tempfile.TemporaryDirectory() as folder:
         words, variables = _written(_command, folder, script, arguments, environment)
         with subprocess.Popen(
@@ -149,8 +149,8 @@ bpy.ops.wm.save_userpref()
 
 
 def program(folder):
-    """A program to call as `blender`: this executable with the add-on enabled in its preferences
-    and nothing else of the user's, or what stands in for one.
+    """A program to call as `blender`: this executable with the add-on enabled and no settings of
+    the user, or a replacement.
     """
     home = Path(folder, "blender home")
     home.mkdir()

@@ -47,7 +47,7 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(config, items):
-    """Of a test with very many cases, take some that are always the same."""
+    """Of tests with very many cases, run some that are always the same."""
     if os.environ.get("DAPPLE_THOROUGH"):
         return
     cases, left_out = Counter(), []
@@ -63,7 +63,7 @@ def pytest_collection_modifyitems(config, items):
 
 @functools.cache
 def _takes(name):
-    """Whether this process is the first that comes to a test file."""
+    """Whether this process is the first to claim a test file."""
     try:
         Path(_TAKEN, name).touch(exist_ok=False)
     except FileExistsError:
@@ -72,7 +72,7 @@ def _takes(name):
 
 
 def _taken(items):
-    """Those of the test items whose file no other process has taken, one file after the other."""
+    """Test items of files that no other process has claimed, file by file."""
     for name, group in itertools.groupby(items, key=lambda item: item.path.name):
         if _takes(name):
             yield from group
@@ -80,7 +80,7 @@ def _taken(items):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtestloop(session):
-    """Where several processes share the tests, run those that no other one has taken."""
+    """If several processes share the tests, run files that no other one has claimed."""
     if not _TAKEN or session.testsfailed or session.config.option.collectonly:
         return None
     # pytest removes what tests share, such as a folder, once the following test does not need it.
@@ -139,14 +139,14 @@ def steps():
 
 @pytest.fixture
 def engine():
-    """The render engine that notes what a render gets."""
+    """The render engine that records the data of a render."""
     with probe.registered():
         yield
 
 
 @pytest.fixture(scope="session")
 def blender(tmp_path_factory):
-    """Blender as a program, or what stands in for it."""
+    """Blender as a program, or a replacement."""
     return child.program(tmp_path_factory.mktemp("program"))
 
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes that a result depends on: weights, pictures, a camera, obstacles; and what it says."""
+"""Scenes with the inputs of a result: weights, images, a camera, obstacles; and
+messages about it.
+"""
 
 import addon_host
 import bpy

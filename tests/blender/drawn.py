@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of what is drawn into a 3D View: without a window, Blender draws while it renders."""
+"""Pictures of drawings in a 3D View: without a window, Blender draws while it renders."""
 
 import bpy
 import gpu

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What artists do to a scatter with Auto Update, at random."""
+"""Random edits of a scatter with Auto Update."""
 
 import bpy
 import scenes
@@ -67,7 +67,7 @@ def density(chance):
 
 
 def instances(chance):
-    """What is solved from nothing of this."""
+    """Change settings that do not change the solution."""
     settings = scatter().dapple
     settings.fit_to_spacing, settings.scale = chance.choice([0.0, 1.0]), chance.uniform(0.5, 2.0)
     settings.display_as = chance.choice(["INSTANCES", "BOUNDS"])
@@ -122,7 +122,7 @@ def render(_chance):
 
 
 def classes(chance):
-    """Added and removed; there is always one."""
+    """Add and remove object types, of which at least one stays."""
     scenes.activate(scatter())
     action = chance.choice(["ADD", "REMOVE"])
     if action == "ADD" or len(scatter().dapple.object_types) > 1:
@@ -139,7 +139,7 @@ def frame(chance):
 
 
 def bake(chance):
-    """And back to points that follow what is changed."""
+    """Bake, then delete the keyframes, so that points follow changes again."""
     scenes.activate(scatter())
     bpy.context.scene.frame_end = 2
     if bpy.ops.dapple.bake.poll() and done(bpy.ops.dapple.bake):

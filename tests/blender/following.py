@@ -20,7 +20,7 @@ def short(obj, count=80):
 
 
 class Clock:
-    """Time that goes on when it is told to."""
+    """A clock that tests advance."""
 
     def __init__(self):
         self.now = 0.0
@@ -29,13 +29,13 @@ class Clock:
         return self.now
 
     def rest(self):
-        """So long that what was changed is worked on."""
+        """Advance by more than the pause of Auto Update."""
         self.now += 10.0 * addon_host.part("core.base.schedule").PAUSE
 
 
 @contextmanager
 def driven():
-    """Have scatters follow changes; what the tests call is yielded."""
+    """Enable Auto Update; yields its driver."""
     watcher = addon_host.part("blender.solve.auto_update")
     watcher.enabled = True
     clock = Clock()
@@ -65,12 +65,12 @@ class Driver:
         self.watcher, self.clock = watcher, clock
 
     def look(self):
-        """One look, after Blender has evaluated what was changed."""
+        """Call the timer once, after Blender has evaluated changes."""
         bpy.context.view_layer.update()
         return self.watcher.tick()
 
     def begin(self):
-        """Until a worker solves, or nothing is left to be done; whether it solves."""
+        """Call the timer until a worker solves or nothing is pending; returns whether it solves."""
         self.look()
         self.clock.rest()
         for _ in _patient():
@@ -83,7 +83,7 @@ class Driver:
         return any(self.watcher.progress(obj) for obj in bpy.data.objects)
 
     def settle(self):
-        """Until nothing is left to be done; how often something was written."""
+        """Call the timer until nothing is pending; returns how often a result was written."""
         written, follow_up = [], self.watcher.restart_preview
         self.watcher.restart_preview = lambda obj: written.append(follow_up(obj))
         try:

@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A hand in a real window: it finds buttons of the sidebar, clicks, drags and counts its clicks.
-
-Blender has no way to ask where a button is. But under the pointer it can copy what a button does,
-or where its value lies, so the pointer goes over the sidebar, or another region of the 3D View,
-until the wanted one is found.
-"""
+"""Simulated mouse in a real window: finds buttons of the sidebar, clicks, drags, counts clicks."""
 
 import subprocess
 import tempfile
@@ -22,7 +17,7 @@ _PATIENCE = 60.0  # seconds
 
 
 class Hand:
-    """What an artist does with the mouse in the 3D View and its sidebar, or its toolbar."""
+    """Mouse actions in the 3D View, its sidebar and its toolbar."""
 
     def __init__(self, over: Callable[[], bpy.types.Region] | None = None) -> None:
         self.over = over or sidebar  # the region with the buttons
@@ -46,7 +41,7 @@ class Hand:
     def drag(
         self, places: list[tuple[float, float]], before_release: Callable[[], Story] = tuple
     ) -> Story:
-        """Along these places with the button held: one click."""
+        """Drag along these places with the button held; counts as one click."""
         yield from self.move(*places[0])
         yield from self.move(*places[0])  # later events go to the region under the pointer
         self._mouse("PRESS", places[0])
@@ -77,7 +72,7 @@ class Hand:
         self.clicks += 1
 
     def press_button(self, wanted: str) -> Story:
-        """Click the button whose command or value has this in it."""
+        """Click the button whose command or value contains a text."""
         place = yield from self.found(wanted)
         yield from self.click(*place)
 
@@ -104,7 +99,7 @@ class Hand:
         raise LookupError(f"there is no panel with {wanted}")
 
     def rest(self) -> Story:
-        """So long that two clicks are no double click."""
+        """Wait so long that two clicks are not a double click."""
         end = time.monotonic() + 0.5
         while time.monotonic() < end:
             yield
@@ -154,7 +149,7 @@ class Hand:
 
 
 def under_pointer(region: bpy.types.Region) -> list[str]:
-    """What the button under the pointer does, and where its value lies."""
+    """The command of the button under the pointer, and the owner of its value."""
     area, found = view(), []
     manager = bpy.context.window_manager
     with bpy.context.temp_override(window=window(), area=area, region=region):
@@ -208,10 +203,7 @@ def asset_library() -> Story:
 
 
 def asset_browser() -> Story:
-    """Have one with all assets in place of the properties; the timeline is too low for a picture.
-
-    It reads libraries in the background, and then their pictures.
-    """
+    """Replace the properties editor by an asset browser; the timeline would be too low."""
     area = next(one for one in window().screen.areas if one.type == "PROPERTIES")
     area.ui_type = "ASSETS"
     for _ in range(100):
@@ -233,7 +225,7 @@ def _assets_of(browser: bpy.types.Area) -> list[Any]:
 
 
 def waited(done: Callable[[], bool]) -> Story:
-    """Until something is so."""
+    """Wait until a condition holds."""
     end = time.monotonic() + _PATIENCE
     while not done():
         if time.monotonic() > end:

@@ -17,7 +17,7 @@ _OPERATORS = {"operator", "operator_menu_enum"}
 
 
 def shown():
-    """All of them."""
+    """All messages that the add-on shows."""
     found = set()
     for kind in classes():
         found |= set(_of_class(kind))
@@ -38,7 +38,7 @@ def classes():
 
 
 def _tools():
-    """Those of the toolbars: they are no RNA types, and no list has them."""
+    """Messages of tools in the toolbar, which are not RNA types and are in no list."""
     kinds = bpy.types.WorkSpaceTool.__subclasses__()
     own = [kind for kind in kinds if kind.__module__.startswith(addon_host.MODULE)]
     return {kind.__name__: kind for kind in own}.values()  # the last ones, if it was enabled again

@@ -8,7 +8,7 @@ import bpy
 
 
 def dump(group):
-    """All that a group computes, as text; groups inside it too."""
+    """Nodes and links of a group as text, with the groups inside."""
 
     def value(socket):
         found = getattr(socket, "default_value", None)
@@ -39,7 +39,7 @@ def dump(group):
 
 
 def built():
-    """The groups that are shipped as assets, built anew in a file without others: name -> text."""
+    """The node groups that are shipped as assets, built in an empty file: name -> text."""
     for group in list(bpy.data.node_groups):
         bpy.data.node_groups.remove(group)
     described = addon_host.part("nodes.assets").ASSETS

@@ -19,7 +19,7 @@ def own_methods(kind):
 
 @contextmanager
 def windowed():
-    """Have buttons leave their work to the timer; what the tests call is yielded."""
+    """Let buttons work in the background; yields their driver."""
     jobs = addon_host.part("blender.base.jobs")
     jobs.at_once = False
     try:
@@ -37,7 +37,7 @@ class Pressing:
         self.reported = []
 
     def press(self, name, **properties):
-        """What pressing a button returns."""
+        """Press a button; returns the status of its operator."""
         kind = addon_host.registered(f"DAPPLE_OT_{name}")
         given = SimpleNamespace(is_property_set=properties.__contains__)
         button = SimpleNamespace(bl_label=kind.bl_label, properties=given, **properties)
@@ -53,7 +53,7 @@ class Pressing:
         return self.jobs.current()
 
     def until(self, done):
-        """Let the timer look until done() says so, or nothing goes on any more."""
+        """Call the timer until done() is true or nothing is pending."""
         end = time.monotonic() + _PATIENCE
         while self.work is not None and not done():
             assert time.monotonic() < end, "the work does not come to its end"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A render engine that draws nothing and notes what the render's own evaluation holds."""
+"""A render engine that draws nothing and records the data of the render's own evaluation."""
 
 from contextlib import contextmanager
 from types import SimpleNamespace
@@ -48,7 +48,7 @@ def registered(engine=ProbeEngine):
 
 
 def prepare(engine):
-    """Have the scene rendered by it, small."""
+    """Use this engine for small renders of the scene."""
     scene = bpy.context.scene
     scene.render.engine = engine.bl_idname
     scene.render.resolution_x = scene.render.resolution_y = 8
@@ -69,7 +69,7 @@ def triangles(surface, depsgraph):
 
 
 def render(obj, frame, subframe=0.0, read=None):
-    """What a render of this frame sees of a scatter object and its surface."""
+    """Data of a scatter object and its surface in a render of this frame."""
     prepare(ProbeEngine)
     ProbeEngine.watched, ProbeEngine.seen, ProbeEngine.read = obj.name, (), read
     bpy.context.scene.frame_set(frame, subframe=subframe)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small scenes for the tests, and what the depsgraph makes of them."""
+"""Small scenes for tests, and their evaluated data."""
 
 import math
 
@@ -111,7 +111,7 @@ def positions(obj, depsgraph=None):
 
 
 def rotations(obj):
-    """Rotation matrices (n, 3, 3) of an object's instances, scale taken out."""
+    """Rotation matrices (n, 3, 3) of an object's instances, without scale."""
     linear = instance_matrices(obj)[:, :3, :3]
     return linear / np.linalg.norm(linear, axis=1, keepdims=True)
 
@@ -137,7 +137,7 @@ def node_warnings(obj):
 
 
 def snapshot():
-    """What an operator that fails must leave as it was."""
+    """The state that a failing operator must not change."""
     return {
         "frame": (bpy.context.scene.frame_current, bpy.context.scene.frame_subframe),
         "active": bpy.context.object,

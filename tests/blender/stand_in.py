@@ -1,11 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stands in for Blender's executable where there is only the module bpy, which has no command line.
-
-It opens a file, enables the add-on, and runs the command that this adds or renders frames:
-
-python stand_in.py -b FILE -o PICTURE -f FRAMES
-python stand_in.py -b FILE --command dapple ARGUMENT...
-"""
+"""Replaces Blender's executable if only the module bpy is installed, which has no command line."""
 
 import argparse
 import os
@@ -21,7 +15,7 @@ import addon_host
 
 
 def asked() -> argparse.Namespace:
-    """As Blender reads it, as far as the tests use it."""
+    """Blender's command line, as far as the tests use it."""
     parser = argparse.ArgumentParser(allow_abbrev=False)
     parser.add_argument("-b", dest="file")
     parser.add_argument("-o", "--render-output", dest="picture")

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A story told in a real window: each step of a generator waits until Blender's events went on."""
+"""A sequence of steps in a real window: a generator continues after Blender has handled
+its events.
+"""
 
 import os
 import sys

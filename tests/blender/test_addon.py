@@ -162,7 +162,7 @@ def test_the_panel_says_how_even_it_is_and_whether_it_is_fresh():
 
 
 def traces():
-    """What an enabled add-on has put into Blender."""
+    """Everything that an enabled add-on has added to Blender."""
     handlers = bpy.app.handlers
     lists = (name for name in dir(handlers) if isinstance(getattr(handlers, name), list))
     return {

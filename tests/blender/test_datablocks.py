@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Copies, scenes that share, linked files and overrides: what is written goes to one scatter."""
+"""Copies, shared scenes, linked files and overrides: only one scatter is written."""
 
 import addon_host
 import bpy

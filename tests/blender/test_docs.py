@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What docs/add-on.md says is so."""
+"""The statements of docs/add-on.md are true."""
 
 import json
 import re
@@ -106,7 +106,7 @@ def test_the_manual_quotes_what_the_panel_says(page):
 
 
 def fits(message: str, text: str) -> bool:
-    """Whether a message is a text with something in its places, or the beginning or end of one."""
+    """Whether a message matches a text with placeholders, or starts or ends with one."""
     pieces = re.split(r"\{[^}]*\}", text)
     whole = re.fullmatch(".+".join(map(re.escape, pieces)), message)
     part = any(piece.strip(" ,:") == message for piece in pieces)

@@ -43,7 +43,7 @@ def write(name, count, folder):
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
-    """Folder with what every example writes; a picture of none."""
+    """Folder with the output of all examples, without pictures."""
     folder = tmp_path_factory.mktemp("examples")
     with ThreadPoolExecutor(2) as workers:
         list(workers.map(lambda one: write(*one, folder), COUNTS.items()))
@@ -51,7 +51,7 @@ def built(tmp_path_factory):
 
 
 def run(name, *arguments):
-    """What an example says."""
+    """Run an example; returns its output."""
     if addon_host.TESTED_ZIP:
         pytest.skip("the examples import the add-on as it lies in the checkout")
     if bpy.app.binary_path:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whatever an operator fails of, the file is as it was before it was called."""
+"""If an operator fails for any reason, the file is unchanged."""
 
 import addon_host
 import bpy

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whatever a .blend holds in place of what Dapple has stored, an error message names it.
-
-Each way to break a file is tried with everything that reads it: operators, panels, playback.
-"""
+"""Invalid data in a .blend leads to an error message that names it."""
 
 import re
 import tracemalloc
@@ -278,7 +275,7 @@ def draw(obj):
 
 
 def look(obj):
-    """What the panel and the modifier say of it."""
+    """Messages of the panel and the modifier about it."""
     addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
     scenes.node_warnings(obj) if obj.modifiers else None
 

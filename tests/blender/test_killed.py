@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender killed by kill -9 at random moments: the .blend opens, work goes on to the same bytes.
-
-DAPPLE_KILLS says how many for each kind of work, one by default.
-"""
+"""Blender is killed at random moments: the .blend opens, and work continues with the same bytes."""
 
 import os
 import random
@@ -59,13 +56,15 @@ class Work:
         self.begun = time.monotonic()
 
     def seconds(self):
-        """How long it takes from the first progress that it tells to its end."""
+        """Seconds from the first progress message to the end."""
         self.said += self.process.communicate()[1]
         assert self.process.returncode == 0, self.said
         return time.monotonic() - self.begun
 
     def kill(self, moment):
-        """So many seconds after its first progress; whether it was still at work."""
+        """Kill it some seconds after its first progress message; returns whether it was still
+        working.
+        """
         time.sleep(moment)
         os.killpg(self.process.pid, signal.SIGKILL)
         self.process.communicate()
@@ -81,7 +80,7 @@ def packed(path):
 
 
 def scatter(path):
-    """That of a file, whose points have to be whole."""
+    """The scatter of a file, whose points must be complete."""
     bpy.ops.wm.open_mainfile(filepath=str(path))
     obj = bpy.data.objects[NAME]
     ids = addon_host.part("blender.scatter.points").point_columns_of(obj)["id"]

@@ -23,7 +23,7 @@ WRITING = (
 
 @pytest.fixture
 def library(tmp_path):
-    """A file with a collection 'Creature': a rig, its skin, a baked scatter; what it plays."""
+    """A file with a collection 'Creature': a rig, its skin, a baked scatter; and the animation."""
     surface = scenes.tail(frames=4)
     obj = scenes.scattered(surface)
     assert bpy.ops.dapple.bake() == {"FINISHED"}

@@ -197,7 +197,7 @@ def test_a_mesh_that_changed_meanwhile_is_not_written_to():
 
 
 class Window:
-    """Stands in for a Blender with windows: notes what is asked instead of showing it."""
+    """Replaces a Blender with windows: records dialogs instead of showing them."""
 
     def __init__(self, monkeypatch, answer=True):
         self.asked, self.started, self.answer = [], [], answer

@@ -116,7 +116,7 @@ def wheels_of(archive):
 
 
 def files_of_wheel(archive):
-    """What the wheel for this Python holds."""
+    """Files of the wheel for this Python."""
     (name,) = (name for name in wheels_of(archive) if f"-{TAG}-" in name)
     with ZipFile(archive) as files, files.open(name) as file, ZipFile(file) as inner:
         return [Path(name) for name in inner.namelist()]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels in every state: a background Blender has no layout, so one stands in that looks up all
-that it is given."""
+"""Panels in every state. Blender in background mode has no layout, so a replacement checks all
+names.
+"""
 
 import types
 
@@ -13,7 +14,7 @@ ICONS = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_ite
 
 
 class Layout:
-    """Checks that what a panel shows exists; keeps the texts."""
+    """Checks that the names which panels show exist, and records the texts."""
 
     def __init__(self, shown):
         self.shown = shown
@@ -92,7 +93,7 @@ class Layout:
 
 
 def drawn(layout=Layout):
-    """What all panels show for the active object."""
+    """All texts that panels show for the active object."""
     ui, shown = addon_host.part("blender.main_panel"), []
     for kind in ui.CLASSES:
         if issubclass(kind, bpy.types.Panel) and getattr(kind, "poll", lambda _: True)(bpy.context):

@@ -19,7 +19,7 @@ SEEDS = int(os.environ.get("DAPPLE_SEEDS", "2"))
 
 
 def reopen(live, path, settled):
-    """Save and open the file; what was not settled is out of date, if anything was changed."""
+    """Save and open the file; a result that was not up to date stays so."""
     if settled:
         live.settle()
     assert bpy.ops.wm.save_as_mainfile(filepath=str(path)) == {"FINISHED"}

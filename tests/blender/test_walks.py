@@ -85,7 +85,7 @@ def an_operator(chance, folder):
 
 
 def call(name, properties):
-    """An operator, if its button is not gray; what it did."""
+    """Call an operator if its poll allows it; returns what it did."""
     if bpy.context.mode == "OBJECT":
         scenes.activate(scatter())
     operator, before = getattr(bpy.ops.dapple, name), None
@@ -162,7 +162,7 @@ def a_stroke(chance, _folder):
 
 
 def shown_again(_chance, _folder):
-    """What a scatter needs to be worked on."""
+    """Show a scatter, so that operators can work on it."""
     obj = scatter()
     if bpy.context.mode == "OBJECT":
         obj.hide_viewport = False
@@ -179,7 +179,7 @@ MOVES = (
 
 
 def check():
-    """What holds after whatever was done."""
+    """Check what must hold after any step."""
     obj = scatter()
     assert not addon_host.part("blender.base.all_or_nothing").is_open()
     if obj.mode != "OBJECT":

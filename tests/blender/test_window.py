@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What takes long in a real window, on a virtual display."""
+"""Tests in a real window, on a virtual display."""
 
 import os
 import shutil

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that a file holds, as text that can be compared: what an operator that fails must leave."""
+"""The contents of a file as comparable text, which a failing operator must not change."""
 
 import bpy
 import numpy as np
@@ -29,7 +29,7 @@ _VOLATILE = {
 
 
 def everything():
-    """Lines of what the file, the selection and the modes are."""
+    """Lines that describe the file, the selection and the modes."""
     bpy.context.view_layer.update()
     found = {f"bpy.data.{name}": sorted(_names(getattr(bpy.data, name))) for name in _LISTS}
     for obj in bpy.data.objects:
@@ -65,7 +65,7 @@ def everything():
 
 
 def differences(before):
-    """What is not as before."""
+    """Lines that have changed."""
     now = everything()
     names = [name for name in before.keys() | now.keys() if before.get(name) != now.get(name)]
     return {name: _apart(before.get(name) or "", now.get(name) or "") for name in sorted(names)}

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What takes long in a real window, which stays usable. test_window.py runs this; exit status 0 is
+"""Long work in a real window, which stays responsive. test_window.py runs this; exit status 0 is
 success.
-
-Each step of `events` yields until Blender's event loop has gone on.
 """
 
 import sys
@@ -53,13 +51,13 @@ def added(surface):
 
 
 def until_optimized(escape_after=None):
-    """Press Optimize, which holds nothing, and wait until it is done in the background."""
+    """Press Optimize, which returns at once, and wait until the work is done."""
     live = addon_host.part("blender.solve.auto_update")
     yield from until(bpy.ops.dapple.optimize, live.is_active, escape_after)
 
 
 def until_idle(operator, escape_after=None, **options):
-    """Press a button of long work, which holds nothing either, and wait until it is done."""
+    """Press a button of long work, which returns at once, and wait until the work is done."""
     work = addon_host.part("blender.base.operator_jobs")
     yield from until(operator, lambda: work.current() is not None, escape_after, **options)
 
@@ -86,7 +84,7 @@ def until(operator, goes_on, escape_after, **options):
 
 
 def undone(name):
-    """What was written is one step."""
+    """Undo; all that was written is a single step."""
     window = bpy.context.window_manager.windows[0]
     for undo, count in ((bpy.ops.ed.undo, 200), (bpy.ops.ed.redo, 120)):
         with bpy.context.temp_override(window=window):
@@ -96,7 +94,7 @@ def undone(name):
 
 
 def refused(surface):
-    """An error while it goes on is said in the panel: the frame range changes the topology."""
+    """An error during the work is shown in the panel: the topology changes in the frame range."""
     bpy.context.scene.frame_end = 6
     modifier = surface.modifiers["Subdivision"]
     for level, frame in ((1, 3), (2, 4)):

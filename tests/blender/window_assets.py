@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scatter marked as an asset, dragged from the Asset Browser onto a surface of another file.
-
-test_window.py runs this; exit status 0 is success. Each step of `events` yields until Blender's
-event loop has gone on. DAPPLE_SHOTS may name a folder for screenshots.
-"""
+"""An asset of a scatter is dragged from the Asset Browser onto a surface of another file."""
 
 import os
 import sys
@@ -43,7 +39,7 @@ def events():
 
 
 def placed():
-    """Whether it has its points, and nothing goes on any more."""
+    """Whether it has its points and nothing is pending."""
     live = addon_host.part("blender.solve.auto_update")
     return dropped() is not None and len(dropped().data.vertices) == 90 and not live.is_active()
 

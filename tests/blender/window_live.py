@@ -157,7 +157,7 @@ def has_points(count):
 
 
 def fits(count):
-    """Whether there are so many points, and they are those of what is there now."""
+    """Whether there is this number of points, and they are up to date."""
     live, obj = addon_host.part("blender.solve.auto_update"), scatter()
     if live.is_active() or len(obj.data.vertices) != count:
         return False

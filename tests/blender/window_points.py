@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Single points placed with the mouse in a real window: the tool of the toolbar, and Edit Mode.
-
-test_window.py runs this; exit status 0 is success. Each step of `events` yields until Blender's
-event loop has gone on. DAPPLE_SHOTS may name a folder for screenshots.
-"""
+"""Single points placed with the mouse in a real window, by the tool and in Edit Mode."""
 
 import os
 import sys
@@ -119,7 +115,7 @@ def scatter():
 
 
 def places():
-    """In world space, by id."""
+    """Places in world space, by id."""
     ids = [one.value for one in scatter().data.attributes["id"].data]
     return dict(zip(ids, scenes.positions(scatter()), strict=True))
 
@@ -145,7 +141,7 @@ def same(one, other):
 
 
 def settled(count):
-    """Whether there are so many points, and they are those of what is there now."""
+    """Whether there is this number of points, and they are up to date."""
     live = addon_host.part("blender.solve.auto_update")
     if live.is_active() or len(scatter().data.vertices) != count:
         return False
@@ -153,7 +149,7 @@ def settled(count):
 
 
 def on_screen(place):
-    """Where a place is in the window, in pixels."""
+    """A place as pixels of the window."""
     region = hand_of.viewport()
     view = hand_of.view().spaces.active.region_3d
     x, y = location_3d_to_region_2d(region, view, place)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A stand-in for bpy in a module that does its work at once where there are no windows."""
+"""Replaces bpy in a module that works at once if there are no windows."""
 
 import threading
 
@@ -14,7 +14,7 @@ class _App:
 
 
 class Windowed:
-    """As bpy of a Blender with windows, in which timers go on with the work."""
+    """bpy of a Blender with windows, in which timers continue the work."""
 
     app = _App()
 
@@ -23,7 +23,7 @@ class Windowed:
 
 
 def held_back(monkeypatch, owner, name):
-    """Have a function wait for the event, and note the threads that call it: (event, threads)."""
+    """Let a function wait for an event, and record the threads that call it: (event, threads)."""
     call, event, threads = getattr(owner, name), threading.Event(), []
 
     def waiting(*arguments, **named):

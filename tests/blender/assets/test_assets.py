@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node groups as assets: what the file holds, a Blender without the add-on, the preferences."""
+"""Node groups as assets: contents of the file, a Blender without the add-on, the preferences."""
 
 import json
 import types
@@ -335,7 +335,7 @@ def test_the_same_assets_are_the_same_bytes(assets, tmp_path):
 
 @pytest.fixture
 def library(monkeypatch, assets):
-    """The module, in an add-on whose folder has the assets; the preferences stay as they were."""
+    """The module, with assets in the folder of the add-on; the preferences are restored."""
     module = addon_host.part("blender.assets.library")
     monkeypatch.setattr(module, "FOLDER", assets.parent)
     yield module

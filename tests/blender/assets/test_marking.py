@@ -31,7 +31,7 @@ def thing(name, size):
 
 @pytest.fixture
 def made():
-    """A scatter of two object types, one of a collection, whose density is painted, and baked."""
+    """A baked scatter with two object types, one of them a collection, and a painted density."""
     bpy.context.scene.frame_end = 2
     tuft, pebble = thing("Tuft", 0.1), thing("Pebble", 0.05)
     rocks = bpy.data.collections.new("Rocks")

@@ -406,7 +406,7 @@ def test_frames_solved_in_pieces_move_more_smoothly(smoothing, monkeypatch):
 
 
 def in_pieces(monkeypatch):
-    """Have frames solved together in pieces of three, of which one overlaps the next."""
+    """Solve frames together in pieces of three that overlap by one."""
     together = addon_host.part("core.bake.window_bake")
     monkeypatch.setattr(together, "PIECE", 3)
     monkeypatch.setattr(together, "OVERLAP", 1)

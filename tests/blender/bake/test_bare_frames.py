@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces that have no faces on some frames of a bake: no points then, others behind them."""
+"""Surfaces without faces on some frames of a bake have no points there."""
 
 import csv
 
@@ -28,7 +28,7 @@ def deleter(surface, everything=True):
 
 
 def without_faces(surface, frames, last, everything=True):
-    """Have a surface have no faces on some of the frames up to a last one."""
+    """Remove the faces of a surface on some frames."""
     modifier = deleter(surface, everything)
     for frame in range(1, last + 1):
         for name in ("show_viewport", "show_render"):
@@ -38,7 +38,7 @@ def without_faces(surface, frames, last, everything=True):
 
 
 def grown(surface, last, size=1.5):
-    """Have a surface grow by a shape key, whose faces stay."""
+    """Let a surface grow by a shape key, with the same faces."""
     surface.shape_key_add(name="Basis")
     key = surface.shape_key_add(name="Grown")
     for point in key.data:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake knows what moves, takes the settings that are shown, and is compared with them."""
+"""A bake notes which inputs move, uses the current settings, and is compared with them."""
 
 import addon_host
 import bpy

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the density reads moves during a bake: objects, scatters, the camera, values."""
+"""Inputs of the density that move during a bake: objects, scatters, the camera, values."""
 
 import addon_host
 import bpy
@@ -62,7 +62,7 @@ def each_frame(obj):
 
 
 def inside(points, box):
-    """How many points are in a cube, as it is now."""
+    """Number of points in the current cube."""
     local = (np.array(box.matrix_world.inverted()) @ np.c_[points, np.ones(len(points))].T)[:3]
     half = np.abs(np.array(box.bound_box)).max(axis=0)[:, None] * (1.0 - 1e-5)
     return int((np.abs(local) < half).all(axis=0).sum())

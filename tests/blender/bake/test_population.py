@@ -273,7 +273,7 @@ def two_types(made):
 
 
 def around_an_obstacle(made):
-    """On faces that are cut where the density changes within them."""
+    """A scatter on faces that are refined where the density changes inside them."""
     surface, obj = made()
     stones = bpy.data.collections.new("Stones")
     bpy.context.scene.collection.children.link(stones)
@@ -292,7 +292,7 @@ def packed(obj):
 
 
 def baked(obj):
-    """Keys of a bake, and how many of its frames were taken from files and solved."""
+    """Keyframes of a bake, and the numbers of frames that were loaded and solved."""
     baking = addon_host.part("blender.bake.steps")
     bakers = []
     new = baking.new_baker

@@ -288,7 +288,7 @@ def test_work_files_of_an_unfinished_bake_outlive_saving(tmp_path):
 
 
 def stop_after(count):
-    """Bake in steps, canceled when so many frames are kept; what was said."""
+    """Bake in steps and cancel after this number of frames; returns the message."""
     steps, baking = addon_host.part("core.base.steps"), addon_host.part("blender.bake.steps")
     files = files_of(bpy.context.object)
     stepper = steps.Stepper(baking.bake_steps(bpy.context, 1, FRAMES))
@@ -352,7 +352,7 @@ def left_over(obj):
 
 
 def expect_to_go_on(obj, kept):
-    """Bake solves only what is not kept."""
+    """Bake solves only frames that are not stored."""
     assert (going_on(obj), left_over(obj)) == (kept, 0)
     solves = counted_solves()
     scenes.activate(obj)

@@ -266,7 +266,7 @@ def test_every_operator_is_tried():
 
 
 def failing(monkeypatch, path, error):
-    """Have a step be done and fail then."""
+    """Let a step fail after its work."""
     module, name = path.rsplit(".", 1)
     module = addon_host.part(module)
     done = getattr(module, name)
@@ -322,7 +322,7 @@ def test_the_last_step_fails(case, foreseen, monkeypatch, tmp_path, capfd):
 
 
 def works_then(name, properties):
-    """What failed works once nothing is in its way."""
+    """An operator that failed works once the cause is removed."""
     if name in {"discard_unfinished_bake", "remove_preset", "export_points"}:
         return
     assert getattr(bpy.ops.dapple, name)(**properties) == {"FINISHED"}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Background work: how it ends, whatever happens, and what follows."""
+"""Background work: every way in which it can end."""
 
 from types import SimpleNamespace
 
@@ -14,7 +14,7 @@ def jobs():
 
 @pytest.fixture
 def made(jobs, monkeypatch):
-    """Makes a job of steps, and notes what follows it."""
+    """A job of steps whose end is recorded."""
     found = SimpleNamespace(done=[], failed=[], stopped=[], undo=[])
     monkeypatch.setattr(jobs, "push_undo", found.undo.append)
 

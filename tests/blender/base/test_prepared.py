@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels show is found by a timer, never while they are drawn."""
+"""Values that panels show are computed by a timer, never while drawing."""
 
 import types
 
@@ -12,7 +12,7 @@ import test_panels
 
 @pytest.fixture
 def prepared(monkeypatch):
-    """As in a window: what is asked for is found by the timer's next tick."""
+    """As in a window: requested values are computed by the next call of the timer."""
     module = addon_host.part("blender.base.panel_values")
     monkeypatch.setattr(module, "at_once", False)
     yield module
@@ -21,7 +21,7 @@ def prepared(monkeypatch):
 
 @pytest.fixture
 def redrawn(prepared, monkeypatch):
-    """How often the panels were asked to be drawn again."""
+    """Counts redraws of the panels."""
     seen = []
     monkeypatch.setattr(prepared, "redraw", lambda: seen.append(1))
     return seen

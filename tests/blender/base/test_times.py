@@ -29,7 +29,7 @@ def stretched(old, new):
 
 @pytest.fixture
 def baked():
-    """A baked scatter, and what it plays at the times 1 to 4 by halves."""
+    """A baked scatter, and its places at the times 1 to 4 in steps of a half."""
     obj = scenes.scattered(scenes.tail(frames=4))
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     return obj, played(obj, np.arange(1.0, 4.1, 0.5))

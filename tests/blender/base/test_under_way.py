@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Add, Bake, Reattach and Make Tiles beside what the artist does: nothing has the mouse, undo is
-one step, and what is done meanwhile is neither lost nor baked half.
+"""Add, Bake, Reattach and Make Tiles in the background: the interface stays usable, undo is a
+single step, and edits during the work are neither lost nor baked in part.
 """
 
 import addon_host

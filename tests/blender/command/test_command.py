@@ -407,7 +407,7 @@ def test_a_scatter_that_is_not_in_the_view_layer_is_named(path, capfd):
 
 @pytest.fixture(scope="module")
 def blender(tmp_path_factory):
-    """Blender as a program, or what stands in for it: called with options, the finished process."""
+    """A function that calls Blender or a replacement with options; returns the finished process."""
     program = child.program(tmp_path_factory.mktemp("program"))
 
     def call(*arguments):

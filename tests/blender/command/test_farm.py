@@ -62,7 +62,7 @@ def finished(process):
 
 
 def killed_in_the_middle(blender, path):
-    """How many frames a bake has kept that was killed while it solved."""
+    """Number of frames stored by a bake that was killed while it solved."""
     process = bake(blender, path)
     kept = path.with_suffix(".dapple")
     end = time.monotonic() + PATIENCE
@@ -100,7 +100,7 @@ def test_four_shots_in_three_processes_one_of_them_killed_are_those_of_a_single_
 
 
 def small_pictures(path):
-    """Have the open shot be rendered in no time, and save it."""
+    """Make renders of the open shot quick, and save it."""
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
     scene.render.resolution_x = scene.render.resolution_y = 16
@@ -168,7 +168,7 @@ def test_a_shot_that_is_baked_and_then_rendered_as_a_job(tmp_path, blender):
 
 
 def compiled(**settings):
-    """Tasks that Flamenco gets of a job, or what the script says of its settings."""
+    """Tasks that Flamenco makes of a job, or the error of the script about its settings."""
     node = shutil.which("node")
     if node is None:
         pytest.skip("needs node")
@@ -205,7 +205,7 @@ def test_a_flamenco_job_bakes_and_then_renders(tmp_path, blender):
 
 
 def run_command(blender, exe, exeArgs, argsBefore, blendfile, args):  # noqa: N803 - their names
-    """As a worker does, with the usual values of both variables."""
+    """Run a command as a worker does, with the usual values of both variables."""
     assert (exe, exeArgs) == ("{blender}", "{blenderArgs}")
     words = [str(blender), *argsBefore, "-b", blendfile, *args]
     done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE)

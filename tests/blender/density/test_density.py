@@ -11,7 +11,7 @@ import scenes
 
 
 def heights(surface):
-    """Of the vertices, 0 at the lowest and 1 at the highest."""
+    """Heights of the vertices, from 0 to 1."""
     z = np.array([v.co.z for v in surface.data.vertices])
     return (z - z.min()) / np.ptp(z)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Masks in Blender: what a distance is measured to, what is followed, and what is said."""
+"""Masks in Blender: targets of a distance, following changes, messages."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The density as colors: what would be drawn, and when it is computed anew."""
+"""The density as colors: what is drawn, and when it is computed again."""
 
 import addon_host
 import bpy

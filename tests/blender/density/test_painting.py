@@ -33,7 +33,7 @@ def weights(surface, name):
 
 
 def upper_half(surface, weight):
-    """What a stroke over the upper half does."""
+    """Change weights as a stroke over the upper half does."""
     upper = [vertex.index for vertex in surface.data.vertices if vertex.co.z > 0.0]
     surface.vertex_groups.active.add(upper, weight, "REPLACE")
     surface.data.update()
@@ -120,7 +120,7 @@ def test_a_result_is_compared_while_its_surface_is_painted(obj, monkeypatch):
 
 
 def one_window():
-    """A stand-in for bpy with a 3D View that has a sidebar."""
+    """Replaces bpy with one that has a 3D View with a sidebar."""
     sidebar = SimpleNamespace(active=SimpleNamespace(show_region_ui=True))
     area = SimpleNamespace(type="VIEW_3D", spaces=sidebar, regions=[SimpleNamespace(type="UI")])
     window = SimpleNamespace(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is shown of a scatter: boxes or dots, and fewer points where the camera needs fewer."""
+"""Display: boxes or dots instead of instances, fewer points far from the camera."""
 
 import math
 
@@ -73,7 +73,7 @@ def is_among(places, others):
 
 
 def instances(obj):
-    """Vertices of what is instanced on each point."""
+    """Vertices of the instance on each point."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     return [
         len(one.object.data.vertices)

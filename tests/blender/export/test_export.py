@@ -96,7 +96,7 @@ def imported(path, frames):
 
 
 def check_same_places(found, expected, tolerance):
-    """In any order."""
+    """Compare places in any order."""
     assert len(found) == len(expected)
     gaps = np.linalg.norm(found[:, None, :3, 3] - expected[None, :, :3, 3], axis=2)
     nearest = gaps.argmin(axis=1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A result fits no more when what it was solved from has other contents, whatever their names."""
+"""A result is out of date when the contents of its inputs have changed, whatever their names."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What has the same contents as when a result was solved fits it, also after saving."""
+"""A result stays up to date while the contents of its inputs are the same, also after saving."""
 
 import addon_host
 import bpy

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drawing the panel computes nothing: a timer looks again at what changed, once for each change."""
+"""Drawing a panel computes nothing: a timer checks what has changed, once per change."""
 
 import types
 from collections import Counter

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Single points placed by hand: added, moved, removed, and the others even around them."""
+"""Single points that are added, moved and removed; the others are evened out around them."""
 
 import importlib
 from functools import partial
@@ -36,7 +36,7 @@ def locked(obj):
 
 
 def clear_cut(obj):
-    """All is stored as of a solution: nothing is loose, double or off the surface."""
+    """All stored data is consistent: no unbound or duplicate points, none off the surface."""
     assert len(np.unique(ids(obj))) == len(ids(obj)) == obj.dapple.report.count
     assert obj.dapple.locked_count == len(locked(obj))
     assert np.linalg.norm(scenes.positions(obj), axis=1).min() > 0.95
@@ -100,7 +100,7 @@ def test_what_cannot_be_placed_is_reported_and_nothing_changes(obj):
 
 
 def change_points(obj, moved=(), removed=(), added=(), copied=()):
-    """As an artist does in Edit Mode."""
+    """Change points as an artist does in Edit Mode."""
     mesh = bmesh.from_edit_mesh(obj.data)
     mesh.verts.ensure_lookup_table()
     verts = list(mesh.verts)

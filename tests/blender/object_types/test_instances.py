@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is instanced and how large: scales, offset, the room that points have."""
+"""Instances and their sizes: scales, offset, clearances of points."""
 
 import addon_host
 import bpy

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Object types: their counts, what is placed, and what a bake makes of them."""
+"""Object types: their counts, their instances, and bakes."""
 
 import addon_host
 import bmesh

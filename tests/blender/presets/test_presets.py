@@ -15,7 +15,7 @@ from test_panels import Layout
 
 @pytest.fixture
 def folder():
-    """Of this test's user; empty before and after."""
+    """Folder of presets of this test; empty before and afterward."""
     found = addon_host.part("blender.presets.stored").folder()
     for path in found.glob("*.json"):
         path.unlink()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Remesh with Dapple: the new mesh, and what it takes over."""
+"""Remesh with Dapple: the new mesh, and data taken over from the old one."""
 
 import bpy
 import numpy as np

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is edited in the modifier tab stays, and the panel shows it."""
+"""Edits in the modifier tab stay, and the panel shows them."""
 
 import addon_host
 import bpy
@@ -8,7 +8,7 @@ import scenes
 
 
 def edit(obj, name, value):
-    """As the modifier tab does."""
+    """Set an input as the modifier tab does."""
     modifier = addon_host.part("blender.scatter.modifier").scatter_modifier(obj)
     bpy.context.view_layer.update()
     addon_host.part("nodes").set_input(modifier, name, value)

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Catalogs: complete, with nothing else, and what the panel and Blender make of them.
-
-The bpy module has no translations compiled in; a lookup in the catalog stands in for Blender's.
-"""
+"""Translations are complete, without unused texts, and shown by the panel and Blender."""
 
 import importlib.util
 import json

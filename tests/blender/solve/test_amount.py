@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How many points, and how regular: points per area, presets of quality."""
+"""Number and regularity of points: points per area, presets of quality."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Auto Update: what is changed is followed, and nothing is done that nobody asked for."""
+"""Auto Update follows changes, and does nothing without one."""
 
 import time
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Optimize in the background: what is done meanwhile is not lost, and undo is one step."""
+"""Optimize in the background: edits during the work are not lost, undo is a single step."""
 
 from types import SimpleNamespace
 

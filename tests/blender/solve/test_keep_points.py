@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keep Points in Blender: what an update leaves as it is, and what it falls back on."""
+"""Keep Points in Blender: which points stay after an update, and when all are solved again."""
 
 import addon_host
 import bpy

@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh as artists have it, with Blender's own defaults: add, optimize, bake and render just work.
-
-Subdivision has 1 level in the viewport and 2 in the render. A bake is solved on the viewport's
-surface. The render's is finer and lies a little elsewhere: there a point belongs where its place on
-the rest shape is.
-"""
+"""A mesh with Blender's defaults can be scattered on, optimized, baked and rendered at once."""
 
 import addon_host
 import bpy

@@ -24,7 +24,7 @@ def other_order(arrays):
 
 @pytest.fixture
 def reordering(monkeypatch):
-    """Have evaluations of which a test says so come in another order."""
+    """Let marked evaluations return vertices in another order."""
     reading = addon_host.part("blender.surface.reading")
     steps, count = reading.read_steps, [0]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Instances stand on a surface as it is shaded: flat faces, sharp edges, custom normals, smooth."""
+"""Instances follow the shading of a surface: flat faces, sharp edges, custom normals, smooth."""
 
 import itertools
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes read in bulk are what Blender says of each vertex, corner and triangle."""
+"""Meshes that are read in bulk equal those that Blender gives element by element."""
 
 import addon_host
 import bpy

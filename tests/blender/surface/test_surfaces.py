@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces as artists have them: parented, mirrored, modified, in other modes, hidden, gone."""
+"""Surfaces that are parented, mirrored, modified, hidden, deleted or in other modes."""
 
 import addon_host
 import bmesh
@@ -18,7 +18,7 @@ def arrays_of(surface):
 
 
 def fits(surface, obj, count=60):
-    """All instances stand on the surface, outward."""
+    """All instances are on the surface and point outward."""
     found, arrays = scenes.positions(obj), arrays_of(surface)
     assert len(found) == count
     nearest = dapple.project(dapple.Surface(arrays.vertices, arrays.faces), found)
