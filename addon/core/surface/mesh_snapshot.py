@@ -214,8 +214,9 @@ def surface_of_raw(
     Raises:
         ScatterError: values cannot be a density.
     """
-    like = like if like is not None and like.topology == mesh.topology else None
-    cut = _cut(mesh) if like is None else like.face_corners
+    if like is not None and (like.loops is None or like.topology != mesh.topology):
+        like = None
+    cut = _cut(mesh) if like is None or like.loops is None else like.loops
     around = Surroundings() if around is None else around
     if uv is not None:
         around = replace(around, uv=np.ascontiguousarray(uv[cut], dtype=np.float64))
