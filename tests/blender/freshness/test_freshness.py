@@ -99,6 +99,22 @@ def test_drawing_computes_nothing(waiting, baked):
         assert not waiting
 
 
+def test_reading_a_vertex_group_is_no_change(waiting, monkeypatch):
+    """A copy of the mesh is made for it and removed again. Two scatters that are checked in turn
+    must not cause checks of each other forever.
+    """
+    monkeypatch.setattr(part(), "is_shown", lambda _: True)
+    for _ in range(2):
+        obj = scenes.scattered(scenes.tail())
+        obj.dapple.density.attribute = "tip"
+        assert bpy.ops.dapple.optimize() == {"FINISHED"}
+        drawn()
+    assert looked(waiting)["value_digests"] == 2
+    for _ in range(3):
+        assert not looked(waiting)
+        assert FITS in drawn()
+
+
 def test_a_change_is_looked_at_once(waiting):
     surface = scenes.sphere()
     obj = scenes.scattered(surface)
