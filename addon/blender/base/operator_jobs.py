@@ -19,7 +19,7 @@ from . import activity
 from .handlers import Evaluation, Subscriber
 from .jobs import Job
 from .object_handles import ObjectHandle
-from .quiet import evaluate_changes
+from .quiet import evaluate_changes, is_quiet
 from .sidebars import redraw
 from .timers import call_within
 from .translation import operator_label, translated, translated_report
@@ -252,7 +252,7 @@ def _clear_status() -> None:
 def _updated(evaluation: Evaluation) -> None:
     """Cancel the work if watched data has changed."""
     work = _state.work
-    if work is None or _state.stepping or not work.watched:
+    if work is None or _state.stepping or is_quiet() or not work.watched:
         return
     for one in evaluation.updates:
         name = work.watched.get(one.uid)

@@ -23,6 +23,7 @@ from ..base.all_or_nothing import sentence
 from ..base.handlers import Evaluation, Subscriber
 from ..base.jobs import Job
 from ..base.object_handles import ObjectHandle
+from ..base.quiet import is_quiet
 from ..base.timers import call_within
 from ..base.translation import translated
 from ..scatter.object import surface_of
@@ -242,9 +243,10 @@ def _redraw() -> None:
 def _updated(evaluation: Evaluation) -> None:
     if _shown.scatter is None:
         return
-    seen = {one.uid for one in evaluation.updates}
+    # Temporary changes list all objects, as reading a vertex group makes a copy of the mesh.
+    seen = {one.uid for one in evaluation.updates if one.is_edited or not is_quiet()}
     # A script that changes pixels causes an update without names.
-    if not seen or seen & _shown.watched:
+    if not evaluation.updates or seen & _shown.watched:
         _shown.changed = time.monotonic()
 
 

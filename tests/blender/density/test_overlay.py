@@ -187,6 +187,22 @@ def test_nothing_is_computed_while_nothing_changes(overlay, monkeypatch):
         wait(overlay)
 
 
+def test_colors_of_a_vertex_group_are_computed_once(overlay, monkeypatch):
+    """Reading it makes a copy of the mesh, which is no change."""
+    obj, calls = scenes.scattered(scenes.tail(), count=40), []
+    obj.dapple.density.attribute = "tip"
+    compute = overlay.computed
+    monkeypatch.setattr(overlay, "computed", lambda *given: calls.append(1) or compute(*given))
+    bpy.ops.dapple.show_density()
+    looked(overlay)
+    calls.clear()
+    for _ in range(3):
+        obj.dapple.surface.update_tag()
+        bpy.context.view_layer.update()
+        looked(overlay)
+    assert len(calls) == 3
+
+
 def test_colors_are_computed_by_a_worker_and_the_last_ones_are_shown_until_then(
     overlay, monkeypatch
 ):
