@@ -72,7 +72,7 @@ _LISTENING: tuple[Any, ...] = (  # to Blender's events, in this order
     object_types_operators,
     copied_surfaces,
 )
-Step = tuple[Callable[[], None], Callable[[], None]]  # what it adds, and what takes that back
+Step = tuple[Callable[[], None], Callable[[], None]]  # adding a part of the add-on, and removing it
 
 
 def register() -> None:

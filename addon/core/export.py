@@ -30,7 +30,7 @@ class Placed:
     matrices: Floats  # (n, 4, 4)
     ids: LongInts  # of the points
     classes: Ints  # object types
-    prototypes: Ints  # what stands there
+    prototypes: Ints  # indices of the instanced meshes
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Exported:
 
     name: str
     frames: list[Placed] = field(default_factory=list)
-    objects: list[str] = field(default_factory=list)  # names of what stands there
+    objects: list[str] = field(default_factory=list)  # names of the instanced objects
     prototypes: Sequence[Any] = ()  # references of dapple3d, in the same order
 
 

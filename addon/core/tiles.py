@@ -30,7 +30,7 @@ class Tiles:
     cells: Ints  # (m,) id of the point
     classes: Ints  # (m,)
     colors: Floats  # (v, 4) linear, of each vertex that of its tile
-    lost: int  # points whose cell the grout takes whole
+    lost: int  # points whose cells are narrower than the grout
     binding: Binding  # of the vertices, to the nearest places of the surface
 
 

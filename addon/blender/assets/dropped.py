@@ -24,7 +24,7 @@ from .marking import instanced
 from .placing import place
 
 _BLOCKED_PAUSE = 0.1  # seconds between two looks whether what holds it up is over
-_NEAR = 0.01  # of an object's size: what lies so near to it lies on it
+_NEAR = 0.01  # distance, relative to the size of an object, up to which a place lies on it
 _HITS = 32  # objects that a ray goes through at most
 _DOWN = Vector((0.0, 0.0, -1.0))
 
@@ -91,7 +91,7 @@ def _waiting() -> list[bpy.types.Object]:
 def _presume(obj: bpy.types.Object) -> None:
     try:
         surface = target_surface(obj)
-    except ScatterError:  # the artist is asked for it
+    except ScatterError:  # the panel asks the artist for a surface
         return
     _place(obj, surface)
 

@@ -20,7 +20,7 @@ TAGS = ("scatter", "blue noise")
 _PARTS = "dapple_instances"  # custom property: a collection that comes along
 _BLOCKS = (Kind.OBJECT, Kind.COLLECTION, Kind.MATERIALS)
 _KEPT = {"rna_type", "name", "auto_update", "quality", "density", "tiles"}
-_KEPT |= {"object_types", "object_type_index", "weights"}  # what is listed
+_KEPT |= {"object_types", "object_type_index", "weights"}  # lists
 
 
 def marked(obj: bpy.types.Object) -> bpy.types.Object:

@@ -103,7 +103,7 @@ def _draw_materials(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
         row.label(text=material_name(one), translate=False, **icon)
         remove = DAPPLE_OT_remove_material.bl_idname
         row.operator(remove, text="", icon="X", emboss=False).index = index
-    MATERIALS.of(obj)  # a menu is drawn once only, when it is opened: by then they are known
+    MATERIALS.of(obj)  # requested early, since an opened menu is drawn only once
     box.menu(DAPPLE_MT_materials.__name__, icon="ADD")
 
 

@@ -194,7 +194,7 @@ def _before_load() -> None:
 
 
 def _disabled() -> None:
-    if hasattr(bpy.data, "objects"):  # there is no file yet while Blender starts
+    if hasattr(bpy.data, "objects"):  # False while Blender starts, before there is a file
         stop_all()
 
 

@@ -16,7 +16,9 @@ from ..base.quiet import quiet
 
 _NO_ID = 2**31 - 1  # fills up persistent ids
 _SHOWN = {"display_as": "INSTANCES", "viewport_share": 1.0, "detail_in_viewport": False}
-Key = tuple[int, int]  # of what stands somewhere: uid of the object, class if it is of the scatter
+Key = tuple[
+    int, int
+]  # of an instanced mesh: session_uid, and object type if it is a shape of the scatter
 
 
 @dataclass

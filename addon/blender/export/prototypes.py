@@ -141,7 +141,7 @@ def has_pxr() -> bool:
     before = list(sys.path)
     try:
         bpy.utils.expose_bundled_modules()
-        importlib.import_module("pxr")  # which finds its own parts from now on
+        importlib.import_module("pxr")  # later imports find its parts
     except ModuleNotFoundError:
         return False
     finally:

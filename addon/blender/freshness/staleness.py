@@ -44,7 +44,7 @@ def verdict(
     depsgraph = context.evaluated_depsgraph_get()
     try:
         return _verdict(obj, depsgraph, snapshot or SceneSnapshot())
-    except ScatterError as error:  # nothing could be solved from what is there
+    except ScatterError as error:  # such inputs could not be solved
         return Verdict(str(error))
 
 

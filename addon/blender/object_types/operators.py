@@ -57,7 +57,7 @@ def _add(obj: bpy.types.Object) -> None:
     kind.name = f"Type {count}"  # until it has an instance
     if count > 1:
         return
-    for label, _ in INSTANCE_INPUTS:  # what is placed now stays
+    for label, _ in INSTANCE_INPUTS:  # the current instances stay
         name = property_name(label)
         setattr(kind, name, getattr(obj.dapple, name))
     kind.use_weights = obj.dapple.use_weights

@@ -91,7 +91,7 @@ class DAPPLE_MT_presets(bpy.types.Menu):
 
 def draw_presets(row: bpy.types.UILayout) -> None:
     """Draw the button that opens the menu."""
-    PRESETS.of()  # a menu is drawn once only, when it is opened: by then they are known
+    PRESETS.of()  # requested early, since an opened menu is drawn only once
     row.menu(DAPPLE_MT_presets.__name__, text="", icon="PRESET")
 
 

@@ -48,7 +48,7 @@ def _weight_names(settings: Any, context: bpy.types.Context, text: str) -> list[
     return [name for name in names if text.lower() in name.lower()]
 
 
-# The property of each kind, and what it takes for that kind alone.
+# The property type of each kind, with arguments for this kind.
 _PROPERTIES: dict[Kind, tuple[Callable[..., Any], dict[str, Any]]] = {
     Kind.NUMBER: (FloatProperty, {}),
     Kind.WHOLE: (IntProperty, {}),

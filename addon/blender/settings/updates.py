@@ -58,7 +58,7 @@ def weight_changed(entry: bpy.types.PropertyGroup, context: bpy.types.Context) -
     """Update function of the weight of an object in a collection."""
     obj = entry.id_data
     kinds = [kind for kind in (obj.dapple, *obj.dapple.object_types) if kind.use_weights]
-    if all(map(is_listed, kinds)):  # else they are being listed
+    if all(map(is_listed, kinds)):  # otherwise the list is being updated
         write_instance_inputs(obj)
         for kind in obj.dapple.object_types:
             _renew_radius(kind)

@@ -75,7 +75,7 @@ class Baker:
         self._stands_on: Any = None  # the ground of the tracker
         self._begun = 0  # frames before the topology begins
         self._density_since = -1  # frames before the density is another
-        self._tracked = 0  # frames after which the tracker stands
+        self._tracked = 0  # number of frames that the tracker has processed
         self._solved: Solved  # the last frame that is done, and its vertices
         self._vertices: Floats
 

@@ -168,9 +168,7 @@ class PopulationBaker(Baker):
         requested = replace(requested, seed=requested.seed + first)
         found = sampled(self.masked_surfaces.now, requested, context)
         ids = np.arange(first, first + count, dtype=np.int32)
-        masked = (
-            self.masked_surfaces.now
-        )  # through what is stored, as a bake that goes on finds them
+        masked = self.masked_surfaces.now  # as stored, like in a bake that is continued
         kept = masked.to_original(
             package().Samples(surface, found.faces, found.barycentric, ids=ids)
         )

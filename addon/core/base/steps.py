@@ -183,7 +183,7 @@ class _Thread:
     def _run(self) -> None:
         while (work := self._given.get()) is not None:
             work.do(self)
-            del work  # and what it was done for
+            del work  # and the references that it holds
 
 
 _free: list[_Thread] = []

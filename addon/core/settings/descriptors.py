@@ -26,7 +26,7 @@ class Changes(Enum):
     """The results that a change of a setting makes stale."""
 
     NOTHING = auto()
-    INSTANCES = auto()  # what is placed, which follows at once
+    INSTANCES = auto()  # the instances, which are updated at once
     SOLUTION = auto()
     BAKE = auto()  # the bake alone, not the solution that it begins with
     INDIRECTLY = auto()  # the solution, by way of a field that other settings make too

@@ -23,7 +23,8 @@ def _each_once(settings: Iterable[Setting]) -> list[Setting]:
     return list({one.name: one for one in settings}.values())
 
 
-TABLES: dict[str, tuple[str, list[Setting]]] = {  # by the name of the class: what it holds
+# By the name of the class: its documentation and settings.
+TABLES: dict[str, tuple[str, list[Setting]]] = {
     "ClassFields": ("of one object type", _that(CLASS, Changes.SOLUTION)),
     "DensityFields": ("of a density", list(DENSITY)),
     "TileFields": ("of tiles", list(TILES)),

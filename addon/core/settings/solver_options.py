@@ -53,7 +53,7 @@ _WORDS: dict[str, dict[str, Any]] = {
         "soft_high": 100.0,
     },
 }
-# Name, label, what it looks like: as Blender lists choices.
+# Identifier, label and description, as Blender lists choices.
 QUALITIES = [
     ("DRAFT", "Draft", "Quick preview: even, with a few close pairs"),
     ("NATURAL", "Natural", "Even without any pattern, like grass or pebbles"),
@@ -120,7 +120,7 @@ _SAMPLE, _TRACKER = _basic("sample"), _basic("Tracker")
 SAMPLE = tuple(_setting(row, Changes.SOLUTION) for row in _SAMPLE.values())
 MOTION = tuple(_setting(row, Changes.BAKE) for name, row in _TRACKER.items() if name not in _SAMPLE)
 EVENNESS = tuple(setting for setting in SAMPLE if setting.name != "seed")
-# What trackers are given too: all but options whose default is another one for a motion.
+# Options that trackers receive too: all except those with a different default for a motion.
 TRACKED = tuple(
     name
     for name, row in _TRACKER.items()

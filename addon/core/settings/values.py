@@ -27,7 +27,7 @@ class DensitySettings(DensityFields):
         return DensitySettings(**{name: getattr(self, name) for name in settings_of_term(term)})
 
 
-MATERIAL = "material_index"  # in whose name values say where chosen materials are
+MATERIAL = "material_index"  # name of the values that mark faces of chosen materials
 
 
 def materials_of(density: DensitySettings) -> tuple[str, ...]:
