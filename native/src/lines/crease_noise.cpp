@@ -20,7 +20,7 @@ constexpr double kFacet = 0.6;     // of the scale: parts between creases that r
 // Sharp edges of scans lie about singly: two loose ends in about four. In models that were
 // constructed they form lines, and low-poly models have more of them.
 constexpr double kLooseEnds = 1.0 / 3.0;  // of the sharp edges of a connected part: it is rough
-constexpr double kSharp = 0.25;           // of its edges: low-poly models have more
+constexpr double kSharp = 0.16;           // of its edges: low-poly models have more
 constexpr std::size_t kFewest = 30;       // sharp edges that can be judged
 constexpr double kSharper = 30.0;  // degrees: half of the creases that meet there differ by more
 constexpr double kLonger = 12.0;   // scales: their length in total
