@@ -44,14 +44,18 @@ def pyacvd(vertices: Any, faces: Any, count: int) -> Made:
     return made.points, made.faces.reshape(-1, 4)[:, 1:]
 
 
+def edge_of(vertices: Any, faces: Any, count: int) -> float:
+    """Length of the edges of a mesh of so many vertices in hexagons."""
+    corners = vertices[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * np.linalg.norm(across, axis=1).sum()
+    return math.sqrt(2 * area / (math.sqrt(3) * count))
+
+
 def pymeshlab(vertices: Any, faces: Any, count: int) -> Made:
     import pymeshlab as module  # type: ignore[import-not-found, unused-ignore]
 
-    corners = vertices[faces]
-    area = np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-    ).sum()
-    edge = math.sqrt(area / (math.sqrt(3) * count))
+    edge = edge_of(vertices, faces, count)
     meshes = module.MeshSet()
     meshes.add_mesh(module.Mesh(vertices, faces))
     meshes.meshing_isotropic_explicit_remeshing(
@@ -73,19 +77,86 @@ def geogram(vertices: Any, faces: Any, count: int) -> Made:
         return made.vertices, made.faces
 
 
+def cgal(vertices: Any, faces: Any, count: int) -> Made:
+    """Through files, whose time counts."""
+    import dapple3d
+
+    with tempfile.TemporaryDirectory() as folder:
+        before, after = Path(folder, "in.off"), Path(folder, "out.off")
+        dapple3d.write_mesh(before, vertices, faces)
+        command = [
+            "dapple_isotropic",
+            str(before),
+            str(after),
+            str(edge_of(vertices, faces, count)),
+        ]
+        subprocess.run(command, check=True, capture_output=True)
+        made = dapple3d.read_mesh(after)
+        return made.vertices, made.faces
+
+
+def in_blender(vertices: Any, faces: Any, remesh: Callable[[Any], None]) -> Made:
+    """Its quads are divided as it draws them."""
+    import bpy
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    mesh = bpy.data.meshes.new("Mesh")
+    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+    body = bpy.data.objects.new("Body", mesh)
+    bpy.context.scene.collection.objects.link(body)
+    bpy.context.view_layer.objects.active = body
+    body.select_set(True)
+    remesh(body)
+    mesh = body.data
+    mesh.calc_loop_triangles()
+    places = np.empty(3 * len(mesh.vertices))
+    mesh.vertices.foreach_get("co", places)
+    corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    return places.reshape(-1, 3), corners.reshape(-1, 3)
+
+
+def blender_voxels(vertices: Any, faces: Any, count: int) -> Made:
+    """A square of the grid for each vertex."""
+    import bpy
+
+    def remesh(body: Any) -> None:
+        edge = edge_of(vertices, faces, count)
+        body.data.remesh_voxel_size = edge * math.sqrt(math.sqrt(3) / 2)
+        bpy.ops.object.voxel_remesh()
+
+    return in_blender(vertices, faces, remesh)
+
+
+def blender_quadriflow(vertices: Any, faces: Any, count: int) -> Made:
+    import bpy
+
+    def remesh(body: Any) -> None:
+        bpy.ops.object.quadriflow_remesh(
+            target_faces=count, use_preserve_sharp=True, use_preserve_boundary=True
+        )
+
+    return in_blender(vertices, faces, remesh)
+
+
 CONTENDERS: dict[str, Callable[[Any, Any, int], Made]] = {
     "dapple": dapple,
     "dapple, no creases": dapple_smooth,
     "geogram": geogram,
     "pyacvd": pyacvd,
     "pymeshlab": pymeshlab,
+    "cgal": cgal,
+    "blender, voxels": blender_voxels,
+    "blender, quadriflow": blender_quadriflow,
 }
+PROGRAMS = {"geogram": "vorpalite", "cgal": "dapple_isotropic"}
 OF_PEERS = {"pyacvd", "pymeshlab"}  # they run by the peers' Python
 
 
 def may_run(name: str) -> bool:
     """Whether a contender's program is there; packages are tried."""
-    return name != "geogram" or shutil.which("vorpalite") is not None
+    program = PROGRAMS.get(name)
+    return program is None or shutil.which(program) is not None
 
 
 def main() -> None:
