@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 #include <dapple/curvature.hpp>
+#include <dapple/exposure.hpp>
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
 #include <dapple/refined_samples.hpp>
@@ -97,7 +98,7 @@ auto samples_through(const Function& function) {
 
 py::object packed_refined(const Refined& r) {
   return py::make_tuple(r.original, r.surface, packed(r.parents), packed(r.barycentric),
-                        packed(r.ends), r.resolved);
+                        packed(r.ends), packed(r.shares), r.resolved, r.inset);
 }
 
 /// \throw ArgumentError for an index out of range
@@ -105,6 +106,7 @@ void check_refined(const Refined& r) {
   check_equal(r.parents.size(), r.surface.face_count());
   check_equal(r.barycentric.size(), r.parents.size());
   check_equal(r.original.vertex_count() + r.ends.size(), r.surface.vertex_count());
+  check_equal(r.shares.size(), r.ends.size());
   const auto out = [](std::int32_t index, std::size_t count) {
     return index < 0 || static_cast<std::size_t>(index) >= count;
   };
@@ -118,11 +120,13 @@ void check_refined(const Refined& r) {
 
 Refined restored_refined(const py::object& state) {
   const auto items = state.cast<py::tuple>();
-  if (items.size() != 6) throw ArgumentError("it has the wrong number of members");
-  Refined r{items[0].cast<Surface>(), items[1].cast<Surface>(), {}, {}, {}, items[5].cast<bool>()};
+  if (items.size() != 8) throw ArgumentError("it has the wrong number of members");
+  Refined r{items[0].cast<Surface>(), items[1].cast<Surface>(), {}, {}, {}, {},
+            items[6].cast<bool>(),    items[7].cast<double>()};
   unpack(py::object(items[2]), r.parents);
   unpack(py::object(items[3]), r.barycentric);
   unpack(py::object(items[4]), r.ends);
+  unpack(py::object(items[5]), r.shares);
   check_refined(r);
   return r;
 }
@@ -254,6 +258,73 @@ Raises:
     Cancelled: through the context.)");
 }
 
+py::array exposure_of(const Surface& surface, const py::object& faces,
+                      const py::object& barycentric, const ContextPtr& context) {
+  if (faces.is_none() != barycentric.is_none())
+    throw ArgumentError("faces and barycentric go together: give both or neither");
+  if (faces.is_none())
+    return give(run(context, [&](Context* watched) { return exposure(surface, watched); }));
+  const IntArray places = integers("faces", faces, 0);
+  const DoubleArray weights = doubles("barycentric", barycentric, 3);
+  return give(run(context, [&](Context* watched) {
+    return exposure(surface, as_span(places), as_points(weights), watched);
+  }));
+}
+
+void bind_exposure(py::module_& m) {
+  m.def("exposure", &exposure_of, py::arg("surface"), py::arg("faces") = py::none(),
+        py::arg("barycentric") = py::none(), py::kw_only(), py::arg("context") = py::none(),
+        R"(How much of the sky places of a surface see: the share of free directions above the face.
+
+96 directions are tried (a Fibonacci lattice on the sphere). A face has two sides; the one that sees more counts, so the
+orientation of faces does not matter. A convex body has 1 everywhere, what is inside another part of the model 0.
+
+Args:
+    surface: a Surface with m faces.
+    faces: (n,) int32, the face of each place; None: the centers of all m faces.
+    barycentric: (n, 3) float64, where on its face each place is; given exactly if faces are.
+    context: a Context to cancel by, or None.
+
+Returns:
+    (n,) or (m,) float64 in 0..1; 0 on faces without area, and on all but the first of faces that lie on each other.
+
+Raises:
+    ValueError: naming the first face out of range; if the lengths differ or one is given without the other.
+    Cancelled: through the context.)");
+  m.def(
+      "refine_outside",
+      [](const Surface& surface, double edge, double openness, MaxFaces max_faces,
+         const ContextPtr& context) {
+        const OutsideOptions options{openness, edge, max_faces};
+        return run(context, [&](Context* watched) {
+          return std::make_shared<Refined>(refine_outside(surface, options, watched));
+        });
+      },
+      py::arg("surface"), py::arg("edge"), py::kw_only(),
+      py::arg("openness") = OutsideOptions().openness,
+      py::arg("max_faces") = OutsideOptions().max_faces, py::arg("context") = py::none(),
+      R"(Remove the density where a surface is not seen from outside, such as on parts that are stuck into others.
+
+Faces that pass through each other are cut along their common line and connected there. So samples on different parts keep
+their distance across the visible joint, and the hidden sides get none. Elsewhere faces are halved until the border of what
+is hidden is resolved; pieces with a hidden corner lose their density.
+
+Args:
+    surface: a Surface.
+    edge: longest edge at the border of what is hidden, > 0, in the units of the vertices: a tenth of the distance between
+        samples suffices.
+    openness: least exposure() of a place that counts as outside, 0..1; more leaves out crevices too.
+    max_faces: 1..200000000; the rest stays coarser, and resolved is False.
+    context: a Context to cancel by, or None.
+
+Returns:
+    Refined.
+
+Raises:
+    ValueError: naming the option out of range; if nothing is seen.
+    Cancelled: through the context.)");
+}
+
 void bind_curvature(py::module_& m) {
   m.def(
       "curvedness",
@@ -319,6 +390,7 @@ void bind_density(py::module_& m) {
   bind_refined(m);
   bind_edges(m);
   bind_verbs(m);
+  bind_exposure(m);
 }
 
 }  // namespace dapple::python

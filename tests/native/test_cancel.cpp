@@ -7,6 +7,7 @@
 #include <dapple/decals.hpp>
 #include <dapple/energy.hpp>
 #include <dapple/errors.hpp>
+#include <dapple/exposure.hpp>
 #include <dapple/line_samples.hpp>
 #include <dapple/mosaic.hpp>
 #include <dapple/planar_sampler.hpp>
@@ -619,6 +620,15 @@ TEST(Watched, Refinements) {
   const std::vector<double> radii = {0.2};
   expect_watched(
       [&](Context* context) { (void)refine_obstacles(surface, {points, radii, {}}, {}, context); });
+}
+
+TEST(Watched, RefineOutside) {
+  const Surface surface =
+      joined(icosphere(3),
+             mapped(icosphere(3), [](const Vec3& p) { return Vec3(p + Vec3::UnitX()); }))
+          .surface();
+  expect_watched([&](Context* context) { (void)refine_outside(surface, {.edge = 0.05}, context); });
+  expect_watched([&](Context* context) { (void)exposure(surface, context); });
 }
 
 TEST(Watched, Decals) {

@@ -11,6 +11,7 @@
 #include <dapple/decals.hpp>
 #include <dapple/energy.hpp>
 #include <dapple/errors.hpp>
+#include <dapple/exposure.hpp>
 #include <dapple/line_samples.hpp>
 #include <dapple/mesh_file.hpp>
 #include <dapple/mosaic.hpp>
@@ -385,6 +386,16 @@ Prepare refining(int) {
   });
 }
 
+Prepare leaving_out_hidden_faces(int) {
+  const Shape ball = icosphere(1);
+  const Surface surface =
+      joined(ball, mapped(ball, [](const Vec3& p) { return Vec3(p + Vec3(0.9, 0.1, 0.0)); }))
+          .surface();
+  return again([surface](Hash& hash) {
+    hash.add(refine_outside(surface, {.edge = 0.3}).surface.vertices());
+  });
+}
+
 Prepare refining_to_a_picture(int) {
   const Surface surface = grid(1).surface();
   const std::vector<FaceUv> uv(surface.face_count(), {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1)});
@@ -533,6 +544,7 @@ constexpr std::array kCases = {
     Case{"Remesh", remeshing},
     Case{"Decals", covering},
     Case{"Refine", refining},
+    Case{"RefineOutside", leaving_out_hidden_faces},
     Case{"RefineImage", refining_to_a_picture},
     Case{"Spectrum", a_spectrum},
     Case{"SurfaceSpectrum", a_spectrum_of_a_surface},

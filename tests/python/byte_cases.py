@@ -515,6 +515,14 @@ def refine_obstacles(run: Run) -> None:
     keep_refined(run, dapple.refine_obstacles(surface, points, radii, areas=areas))
 
 
+@case
+def refine_outside(run: Run) -> None:
+    vertices, faces = BOX
+    shifted = vertices + run.given([0.31, 0.27, 0.23])
+    both = (np.vstack([vertices, shifted]), np.vstack([faces, faces + len(vertices)]))
+    keep_refined(run, dapple.refine_outside(run.surface(both), 0.25, openness=0.0))
+
+
 # --- looking at surfaces and samples
 
 

@@ -190,6 +190,8 @@ def whole_arguments() -> list[tuple[str, str, Callable[[dapple.Surface, int], ob
         "refine_edges": lambda s, **k: dapple.refine_edges(s, 9.0, **k),
         "refine_image": lambda s, **k: dapple.refine_image(s, np.zeros((2, 3, 2)), INKS[0], **k),
         "refine_obstacles": lambda s, **k: dapple.refine_obstacles(s, np.zeros((0, 3)), 1.0, **k),
+        "refine_outside": lambda s, **k: dapple.refine_outside(s, **{"edge": 0.1, **k}),
+        "exposure": lambda s, **k: dapple.exposure(s, **k),
         "curvedness": lambda s, **k: dapple.curvedness(s, **k),
         "curvature_density": lambda s, **k: dapple.curvature_density(s, **k),
         "texels": lambda s, **k: dapple.texels(

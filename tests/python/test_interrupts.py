@@ -132,6 +132,8 @@ CALLS = {
             b.surface, b.samples.positions, 0.004, edge=0.05, max_faces=20_000_000
         )
     ),
+    "refine_outside": lambda b: dapple.refine_outside(b.surface, 0.003, max_faces=20_000_000),
+    "exposure": lambda b: many(lambda: dapple.exposure(b.surface)),
     "remesh": lambda b: dapple.remesh(b.surface, 20_000, max_evaluations=1000, tolerance=0),
     "mosaic": lambda b: many(lambda: dapple.mosaic(b.surface, b.samples, grout=0.001)),
     "texels": lambda b: many(lambda: dapple.texels(b.surface, b.uv, 4096, 4096)),

@@ -161,6 +161,10 @@ OTHERS: dict[str, tuple[Call, dict[str, Any]]] = {
         lambda radii, **given: dapple.refine_obstacles(square(), [[0.5, 0.5, 0.0]], radii, **given),
         {"radii": 0.25, "edge": 0.5, "max_faces": 1000},
     ),
+    "refine_outside": (
+        lambda **given: dapple.refine_outside(square(), **given),
+        {"edge": 0.5, "openness": 0.25, "max_faces": 1000},
+    ),
     "refine_edges": (
         lambda **given: dapple.refine_edges(square(), **given),
         {"longest": 0.5, "max_faces": 1000},

@@ -85,6 +85,8 @@ TOGETHER = [  # calls that may be rejected but never crash
     lambda s, rng: dapple.evaluate_energy(s.plane, np.abs(s.written[:9, :2])),
     lambda s, rng: dapple.texels(s.surface, s.uv, 16, 16),
     lambda s, rng: dapple.surface_spectrum(s.surface, [s.samples], radius=3.0, bins=16),
+    lambda s, rng: dapple.refine_outside(s.surface, 0.2, max_faces=4000),
+    lambda s, rng: dapple.exposure(s.surface),
     lambda s, rng: dapple.refine_edges(s.surface, 0.4, max_faces=4000),
     lambda s, rng: dapple.curvedness(s.surface),
     lambda s, rng: (s.surface.topology, s.surface.corner_normals),

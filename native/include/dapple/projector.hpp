@@ -59,6 +59,12 @@ class Projector {
   /// distance either may be returned.
   [[nodiscard]] std::vector<std::int32_t> first_hits(std::span<const Ray> rays) const;
 
+  /// Whether a ray hits a face, as in first_hits().
+  [[nodiscard]] bool is_blocked(const Ray& ray) const;
+
+  /// A length within which single precision cannot tell points apart: no face is hit within it.
+  [[nodiscard]] double resolution() const;
+
  private:
   struct Scene;
   std::unique_ptr<Scene> scene_;

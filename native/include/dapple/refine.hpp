@@ -25,8 +25,12 @@ struct Refined {
   std::vector<std::int32_t> parents;             ///< per face: its face of the original
   std::vector<std::array<Vec3, 3>> barycentric;  ///< per face: of its corners in its parent
   std::vector<std::array<std::int32_t, 2>>
-      ends;              ///< per added vertex: the two vertices whose edge it halves
-  bool resolved = true;  ///< false if the limit of faces was reached first
+      ends;                    ///< per added vertex: the two vertices before it that it is between
+  std::vector<double> shares;  ///< per added vertex: how far from the first to the second, 0..1
+  bool resolved = true;        ///< false if the limit of faces was reached first
+  /// Distance by which to_original() moves samples inward that lie at the border of the density, in
+  /// the surface's unit.
+  double inset = 0.0;
 
   /// The vertices of `surface` when those of `original` are at `coarse`.
   /// \throw ArgumentError for a different number of vertices

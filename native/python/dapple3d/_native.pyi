@@ -779,6 +779,21 @@ def refine_obstacles(
     max_faces: int = 1_000_000,
     context: Context | None = None,
 ) -> Refined: ...
+def exposure(
+    surface: Surface,
+    faces: ArrayLike | None = None,
+    barycentric: ArrayLike | None = None,
+    *,
+    context: Context | None = None,
+) -> NDArray[np.float64]: ...
+def refine_outside(
+    surface: Surface,
+    edge: float,
+    *,
+    openness: float = 0.05,
+    max_faces: int = 1_000_000,
+    context: Context | None = None,
+) -> Refined: ...
 def curvedness(
     surface: Surface, *, smoothing: int = 2, context: Context | None = None
 ) -> NDArray[np.float64]: ...

@@ -95,7 +95,7 @@ PieceFinder::Found PieceFinder::find(std::int32_t parent, const Vec3& weights) c
   for (std::size_t k = starts_[cell]; k < starts_[cell + 1]; ++k) {
     const Vec3 inside =
         weights_in(refined_.barycentric[static_cast<std::size_t>(pieces_[k])], weights);
-    if (inside.minCoeff() <= most) continue;
+    if (!(inside.minCoeff() > most)) continue;  // also if the piece has no area
     most = inside.minCoeff();
     best = {pieces_[k], inside};
   }

@@ -7,6 +7,7 @@
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
+#include "density/carried.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -341,40 +342,9 @@ class CutMesh {
   std::vector<Triangle> triangles_;
 };
 
-/// The density of the surface at the corners of pieces of its faces.
-std::vector<double> carried_density(const Surface& surface, const Refined& refined,
-                                    const Context* context) {
-  std::vector<double> values;
-  if (surface.uniform()) return values;
-  values.reserve(3 * refined.parents.size());
-  for (std::size_t f = 0; f < refined.parents.size(); ++f) {
-    check_at(context, f);
-    for (const Vec3& weights : refined.barycentric[f])
-      values.push_back(weights.dot(
-          surface.ordered().densities(surface.ordered().ordered_face(refined.parents[f]))));
-  }
-  return values;
-}
-
-/// The normals of the surface at the corners of pieces of its faces.
-std::vector<Vec3> carried_normals(const Surface& surface, const Refined& refined,
-                                  const Context* context) {
-  std::vector<std::int32_t> faces;
-  std::vector<Vec3> weights;
-  faces.reserve(3 * refined.parents.size());
-  weights.reserve(faces.capacity());
-  for (std::size_t f = 0; f < refined.parents.size(); ++f) {
-    check_at(context, f);
-    for (const Vec3& corner : refined.barycentric[f]) {
-      faces.push_back(refined.parents[f]);
-      weights.push_back(corner);
-    }
-  }
-  return surface.normals(faces, weights);
-}
-
 Refined CutMesh::result(bool resolved, Context* context) && {
-  Refined refined{*surface_, *surface_, {}, {}, std::move(ends_), resolved};
+  std::vector<double> shares(ends_.size(), 0.5);
+  Refined refined{*surface_, *surface_, {}, {}, std::move(ends_), std::move(shares), resolved};
   std::vector<Face> faces;
   faces.reserve(triangles_.size());
   refined.parents.reserve(triangles_.size());

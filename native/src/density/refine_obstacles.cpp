@@ -76,7 +76,7 @@ class Balls {
 
 /// A refinement without any cuts, as refine() returns it for a refined surface.
 Refined uncut(const Surface& surface) {
-  Refined refined{surface, surface, {}, {}, {}, true};
+  Refined refined{surface, surface, {}, {}, {}, {}, true};
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
     refined.parents.push_back(static_cast<std::int32_t>(f));
     refined.barycentric.push_back({Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <dapple/refine.hpp>
 
 #include "base/triangle.hpp"
@@ -9,9 +10,9 @@ std::vector<Vec3> Refined::vertices(std::span<const Vec3> coarse) const {
   check_same_length("vertices", coarse.size(), "the surface", original.vertex_count());
   std::vector<Vec3> result(coarse.begin(), coarse.end());
   result.reserve(coarse.size() + ends.size());
-  for (const auto& [a, b] : ends)
-    result.emplace_back(
-        0.5 * (result[static_cast<std::size_t>(a)] + result[static_cast<std::size_t>(b)]));
+  for (std::size_t k = 0; k < ends.size(); ++k)
+    result.emplace_back(between(result[static_cast<std::size_t>(ends[k][0])],
+                                result[static_cast<std::size_t>(ends[k][1])], shares[k]));
   return result;
 }
 
@@ -27,8 +28,16 @@ Refined Refined::then(const Refined& finer) const {
                     surface.face_count());
   if (!finer.original.same_faces(surface))
     throw ArgumentError("finer.original is not the refined surface: refine that one again");
-  Refined result{original, finer.surface, {}, {}, ends, resolved && finer.resolved};
+  Refined result{original,
+                 finer.surface,
+                 {},
+                 {},
+                 ends,
+                 shares,
+                 resolved && finer.resolved,
+                 std::max(inset, finer.inset)};
   result.ends.insert(result.ends.end(), finer.ends.begin(), finer.ends.end());
+  result.shares.insert(result.shares.end(), finer.shares.begin(), finer.shares.end());
   for (std::size_t f = 0; f < finer.parents.size(); ++f) {
     const auto middle = static_cast<std::size_t>(finer.parents[f]);
     result.parents.push_back(parents[middle]);

@@ -29,6 +29,7 @@ namespace {
 // most 2^-24, that of a distance a few times as much. All faces within this margin of the best
 // distance are compared in double precision.
 constexpr double kMargin = 2e-6;
+constexpr double kFirst = 2.0 * kMargin;  // where rays begin
 // Distance from the center, in sizes of the surface, beyond which only the direction of a point
 // matters.
 constexpr double kFar = 1e12;
@@ -526,6 +527,17 @@ void intersect(RTCScene scene, RTCRayHit& ray) {
 #endif
 }
 
+bool is_occluded(RTCScene scene, RTCRay& ray) {
+#if DAPPLE_EMBREE_MAJOR >= 4
+  rtcOccluded1(scene, &ray);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene, &context, &ray);
+#endif
+  return ray.tfar < 0.0f;
+}
+
 struct Hit {
   double length;
   OrderedFace face;
@@ -550,23 +562,29 @@ bool meets_box(const Part& part, const Ray& ray, double length) {
   return first <= last;
 }
 
+/// A ray in the unit of a part.
+template <typename Part>
+RTCRay embree_ray(const Part& part, const Ray& ray, double length) {
+  const Vec3 from = part.to_unit(ray.origin);
+  return {.org_x = float(from.x()),
+          .org_y = float(from.y()),
+          .org_z = float(from.z()),
+          .tnear = float(kFirst),
+          .dir_x = float(ray.direction.x()),
+          .dir_y = float(ray.direction.y()),
+          .dir_z = float(ray.direction.z()),
+          .time = 0.0f,
+          .tfar = float(length / part.scale),
+          .mask = ~0u,
+          .id = 0,
+          .flags = 0};
+}
+
 /// Whether a part has a nearer hit.
 template <typename Part>
 bool hit_in(const Part& part, const Ray& ray, Hit& nearest) {
-  const Vec3 from = part.to_unit(ray.origin);
   RTCRayHit hit{};
-  hit.ray = {.org_x = float(from.x()),
-             .org_y = float(from.y()),
-             .org_z = float(from.z()),
-             .tnear = 2.0f * float(kMargin),
-             .dir_x = float(ray.direction.x()),
-             .dir_y = float(ray.direction.y()),
-             .dir_z = float(ray.direction.z()),
-             .time = 0.0f,
-             .tfar = float(nearest.length / part.scale),
-             .mask = ~0u,
-             .id = 0,
-             .flags = 0};
+  hit.ray = embree_ray(part, ray, nearest.length);
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   intersect(part.handle.get(), hit);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
@@ -589,5 +607,15 @@ std::vector<std::int32_t> Projector::first_hits(std::span<const Ray> rays) const
   });
   return result;
 }
+
+bool Projector::is_blocked(const Ray& ray) const {
+  return std::any_of(scene_->parts.begin(), scene_->parts.end(), [&](const auto& part) {
+    if (!meets_box(*part, ray, ray.length)) return false;
+    RTCRay embree = embree_ray(*part, ray, ray.length);
+    return is_occluded(part->handle.get(), embree);
+  });
+}
+
+double Projector::resolution() const { return kFirst * scene_->scale; }
 
 }  // namespace dapple

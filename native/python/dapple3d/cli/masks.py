@@ -148,6 +148,25 @@ ROWS = (
 )
 
 
+OPENNESS = 0.05
+OUTSIDE = (
+    MaskOption(
+        ["--outside"],
+        is_flag=True,
+        default=None,
+        help="Only where the surface is seen from outside, not on parts that are inside others. "
+        "Where parts pass through each other, points keep their distance across the joint.",
+    ),
+    MaskOption(
+        ["--openness"],
+        type=Number(0.0, 1.0, finite=True),
+        metavar="SHARE",
+        help="With --outside: share of the sky that a place has to see; more leaves out crevices "
+        f"too.  [default: {OPENNESS}]",
+    ),
+)
+
+
 def _options_of(row: Row) -> list[click.Option]:
     """The options of one mask, in the order of the help."""
     flag = f"--{row.name}"
@@ -213,10 +232,14 @@ class Masks:
             count = hexagonal_count(surface.area, spacing)
         with about(path):
             fields = self._fields(surface)
-        names = ", ".join(f"--{row.name}" for row in ROWS if row.name in self.given)
+        masks = ["outside", *(row.name for row in ROWS)]
+        names = ", ".join(f"--{name}" for name in masks if name in self.given)
         with about(f"{path}, in {names}"):
             shaped = density.multiplied(surface, *self._factors(surface))
-            return density.MaskedSurface(shaped, fields, count=count or 1, values=values)
+            outside = self.given.get("openness", OPENNESS) if "outside" in self.given else None
+            return density.MaskedSurface(
+                shaped, fields, count=count or 1, outside=outside, values=values
+            )
 
     def _factors(self, surface: dapple.Surface) -> list[NDArray[np.float64]]:
         found = []
@@ -300,7 +323,7 @@ def _nearest_points(path: Path, plan: bool) -> density.Nearest:
 
 def mask_options(command: Callable[..., None]) -> Callable[..., None]:
     """All options of masks: a command gets them as `masks`."""
-    listed = [option for row in ROWS for option in _options_of(row)]
+    listed = [*OUTSIDE, *(option for row in ROWS for option in _options_of(row))]
     names = {option.name for option in listed}
 
     @functools.wraps(command)
@@ -315,6 +338,8 @@ def mask_options(command: Callable[..., None]) -> Callable[..., None]:
 
 def _checked(given: dict[str, Any]) -> Masks:
     """Raises UsageError for a MIN above its MAX, and for an option of a mask that is not there."""
+    if "openness" in given and "outside" not in given:
+        raise click.UsageError("--openness needs --outside")
     for row in ROWS:
         if row.name not in given:
             alone = [name for name in given if name.startswith(f"{row.name}_")]

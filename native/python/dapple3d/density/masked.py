@@ -19,6 +19,7 @@ from .._native import (
     refine_edges,
     refine_image,
     refine_obstacles,
+    refine_outside,
 )
 from .arrays import (
     Flags,
@@ -38,6 +39,7 @@ _FINE = 0.3  # longest edge where a density changes within faces, in spacings
 _AT_BORDER = (
     0.05  # longest edge at the border of a UDIM tile, where a density may jump, in spacings
 )
+_AT_HIDDEN = 0.1  # longest edge at the border of what is hidden, in spacings
 _ROUNDS = 24  # of halving edges
 _MOST_FACES = 1_000_000
 _COUNTS = (100, 1_000_000)  # limits of the number of points that faces are cut for
@@ -59,6 +61,8 @@ class MaskedSurface:
         surface: of v vertices and m faces; it keeps its own density as a factor.
         fields: factors of the density at each place.
         count: number of points that will be sampled: edges are cut relative to their spacing.
+        outside: least exposure, 0 to 1, of places that get points: see `dapple.refine_outside`;
+            None: hidden places get points too.
         balls: centers (k, 3) and radii (k,) of balls that are taken out.
         uv: (m, 3, 2), texture coordinates at the corners of the faces.
         image: (rows, columns), factors >= 0 by texture coordinates, row 0 at v = 0.
@@ -80,6 +84,7 @@ class MaskedSurface:
         fields: Sequence[Field] = (),
         *,
         count: int,
+        outside: float | None = None,
         balls: tuple[Floats, Floats] | None = None,
         uv: Floats | None = None,
         image: Floats | None = None,
@@ -98,6 +103,8 @@ class MaskedSurface:
         self._values, self._rest = values or {}, rest
         self._refined: Refined | None = None
         count = min(max(count, _COUNTS[0]), _COUNTS[1])
+        if outside is not None:
+            self._leave_out_hidden(outside, count)
         if fields or balls is not None:
             self._cut_for(fields, balls, count)
         if image is not None and uv is not None:
@@ -198,6 +205,18 @@ class MaskedSurface:
     def _extend(self, cut: Refined) -> None:
         self._refined = cut if self._refined is None else self._refined.then(cut)
         self.surface = self._refined.surface
+
+    def _leave_out_hidden(self, openness: float, count: int) -> None:
+        edge = _AT_HIDDEN * _spacing(self.surface, self.corner_density(), count)
+        self._extend(
+            refine_outside(
+                self.surface,
+                edge,
+                openness=openness,
+                max_faces=_MOST_FACES,
+                context=self._context,
+            )
+        )
 
     def _cut_for(
         self, fields: Sequence[Field], balls: tuple[Floats, Floats] | None, count: int

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "skin/sky.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <dapple/exposure.hpp>
+
+#include "base/elementary.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kParallel = 1.0 - 1e-6;  // cosine of the angle between faces on each other
+constexpr std::size_t kStride = 35;       // coprime to the number of directions
+
+/// Points of a Fibonacci lattice on the unit sphere, in an order in which the first few are spread
+/// too: a place in the open is then known after few rays.
+std::vector<Vec3> sky_directions() {
+  constexpr auto count = static_cast<std::size_t>(kSkyDirections);
+  const double golden = 0.5 * (3.0 - std::sqrt(5.0));  // of a turn
+  std::vector<Vec3> result;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = static_cast<double>(k * kStride % count);
+    const double z = 1.0 - (2.0 * i + 1.0) / static_cast<double>(count);
+    const double radius = std::sqrt(1.0 - z * z);
+    const Direction around = direction(golden * i - std::floor(golden * i));
+    result.emplace_back(radius * around.cosine, radius * around.sine, z);
+  }
+  return result;
+}
+
+}  // namespace
+
+Sky::Sky(const Surface& surface, const Context* context)
+    : surface_(surface), projector_(surface, false, context), directions_(sky_directions()) {}
+
+bool Sky::is_free(const Vec3& place, const Vec3& normal, const Vec3& direction) const {
+  constexpr double kForever = 1e30;
+  return !projector_.is_blocked({place + projector_.resolution() * normal, direction, kForever});
+}
+
+double Sky::exposure(const Vec3& place, const Vec3& normal) const {
+  std::array<double, 2> free{}, all{};
+  for (const Vec3& direction : directions_) {
+    const double above = direction.dot(normal);
+    const std::size_t side = above > 0.0 ? 0 : 1;
+    all[side] += 1.0;
+    if (is_free(place, above > 0.0 ? normal : Vec3(-normal), direction)) free[side] += 1.0;
+  }
+  return std::max(free[0] / std::max(all[0], 1.0), free[1] / std::max(all[1], 1.0));
+}
+
+bool Sky::sees(const Vec3& place, const Vec3& normal, double least) const {
+  std::array<int, 2> all{}, free{};
+  for (const Vec3& direction : directions_) ++all[direction.dot(normal) > 0.0 ? 0 : 1];
+  const auto needed = [&](std::size_t side) {
+    return std::max(1, static_cast<int>(std::ceil(least * all[side])));
+  };
+  std::array<int, 2> left = all;
+  for (const Vec3& direction : directions_) {
+    const std::size_t side = direction.dot(normal) > 0.0 ? 0 : 1;
+    if (free[side] + left[side]-- < needed(side)) continue;
+    if (!is_free(place, side == 0 ? normal : Vec3(-normal), direction)) continue;
+    if (++free[side] >= needed(side)) return true;
+  }
+  return false;
+}
+
+bool Sky::lie_on_each_other(std::int32_t a, std::int32_t b) const {
+  const OrderedSurface& mesh = surface_.ordered();
+  const OrderedFace one = mesh.ordered_face(a), other = mesh.ordered_face(b);
+  if (std::abs(mesh.geometry(one).normal.dot(mesh.geometry(other).normal)) < kParallel)
+    return false;
+  const Face corners = mesh.welded_corners(one), others = mesh.welded_corners(other);
+  return std::none_of(corners.begin(), corners.end(), [&](std::int32_t v) {
+    return std::find(others.begin(), others.end(), v) != others.end();
+  });
+}
+
+bool Sky::is_covered(const Vec3& place, std::int32_t face) const {
+  const double radius = projector_.resolution();
+  const auto near = projector_.faces_within({&place, 1}, {&radius, 1});
+  return std::any_of(near[0].begin(), near[0].end(), [&](std::int32_t other) {
+    return other < face && lie_on_each_other(other, face);
+  });
+}
+
+}  // namespace dapple
