@@ -43,8 +43,18 @@ class _AddOperator(StepsOperator):
             context.view_layer.objects.active = result.obj
         if result.note:
             return Outcome(result.obj, [("WARNING", result.note)])
-        note = rest_note(result.obj, translated_report)
-        return Outcome(result.obj, [("INFO", note)] if note else [])
+        notes = [outside_note(result.hidden), rest_note(result.obj, translated_report)]
+        return Outcome(result.obj, [("INFO", note) for note in notes if note])
+
+
+def outside_note(hidden: float) -> str:
+    """Why Outside Only is on; empty if it is not."""
+    if not hidden:
+        return ""
+    return translated_report(
+        "Outside Only is on, because {percent} % of the surface is inside other parts",
+        percent=round(100 * hidden),
+    )
 
 
 def _into_local_views(seen: bpy.types.Object, new: bpy.types.Object) -> None:

@@ -10,6 +10,7 @@ import bpy
 
 from ...core.base.errors import ChangedError, ScatterError
 from ...core.base.steps import Steps, Task
+from ...core.density.hidden import MADE_OF_PARTS, hidden_share
 from ...core.settings.presets import Values, settings_with
 from ...core.solve.solve import Scattered, scatter
 from ...core.surface.arrays import SurfaceArrays
@@ -32,11 +33,13 @@ class Added:
 
     obj: bpy.types.Object
     note: str  # skipped settings of the Default preset, and why; empty if none
+    hidden: float  # share of the surface for which Outside Only was turned on; 0 if it was not
 
 
 @dataclass(frozen=True)
 class _Solved:
     values: Values
+    hidden: float  # see Added
     arrays: SurfaceArrays
     scattered: Scattered
     rest: AtRest | None
@@ -57,7 +60,7 @@ def add_steps(
             obj.dapple.bake_key = new_key()
             apply(obj, solved.values)
             write_solved(obj, solved.arrays, solved.scattered, solved.rest)
-    return Added(obj, left_out or note)
+    return Added(obj, left_out or note, solved.hidden)
 
 
 def _as_far_as_it_fits(surface: ObjectHandle, preset: Values, chosen: dict[str, Any]) -> Any:
@@ -90,10 +93,20 @@ def _solved(surface: ObjectHandle, values: Values) -> Any:
     settings = settings_with(values)
     kind = kind_of_binding(surface.get(), bpy.context, values[""].get("attach_to", "AUTO"))
     arrays = read(surface.get(), settings)
+    values, hidden = yield Task(lambda _: _outside_if_made_of_parts(values, arrays))
+    settings = settings_with(values)
     found = yield Task(lambda worker: scatter(arrays, settings, worker))
     with as_read(arrays, surface, settings), rest_position(surface, kind):
         rest = rest_of(surface.get(), arrays, found.binding, kind)
-    return _Solved(values, arrays, found, rest)
+    return _Solved(values, hidden, arrays, found, rest)
+
+
+def _outside_if_made_of_parts(values: Values, arrays: SurfaceArrays) -> tuple[Values, float]:
+    """The values, with Outside Only if parts are hidden and no preset decides otherwise."""
+    density = values.get("density", {})
+    if "use_outside" in density or (hidden := hidden_share(arrays)) < MADE_OF_PARTS:
+        return values, 0.0
+    return {**values, "density": {**density, "use_outside": True}}, hidden
 
 
 @contextmanager

@@ -33,7 +33,7 @@ from .operators import (
 )
 from .painting import painted_group, painted_scatter
 
-SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_camera_view")
+SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_outside", "use_camera_view")
 _ENDS = ("_invert", "_strength")  # which are in a row of their own
 _AVOIDED = [one for one in DENSITY if "avoid_collection" in (one.name, one.under)]
 _PLAIN = [

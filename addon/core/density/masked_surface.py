@@ -46,6 +46,7 @@ def masked_surface_of(
         surface,
         fields_of(arrays, settings.density, first),
         count=count,
+        outside=settings.density.openness if settings.density.use_outside else None,
         balls=(around.points, around.radii) if len(around.points) else None,
         uv=around.uv,
         image=around.image,

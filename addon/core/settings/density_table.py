@@ -71,6 +71,27 @@ DENSITY = (
     ),
     *chain(*MASKS.values()),
     Setting(
+        "use_outside",
+        Kind.SWITCH,
+        False,
+        "Outside Only",
+        "Only scatter points where the surface is seen from outside, not on parts that are inside "
+        "others. Where parts pass through each other, points keep their distance across the "
+        "joint. A bake decides on its first frame. Add Scatter turns this on for surfaces made of "
+        "parts",
+    ),
+    Setting(
+        "openness",
+        Kind.NUMBER,
+        0.05,
+        "Openness",
+        "Share of the sky that a place has to see; more leaves out crevices too",
+        low=0.0,
+        high=1.0,
+        subtype="FACTOR",
+        under="use_outside",
+    ),
+    Setting(
         "use_camera_view",
         Kind.SWITCH,
         False,

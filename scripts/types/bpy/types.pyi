@@ -124,6 +124,8 @@ class DAPPLE_PG_density(_Open):
     noise_falloff: float
     noise_invert: bool
     noise_strength: float
+    use_outside: bool
+    openness: float
     use_camera_view: bool
     camera_margin: float
     avoid_collection: Any

@@ -61,8 +61,8 @@ class MaskedSurface:
         surface: of v vertices and m faces; it keeps its own density as a factor.
         fields: factors of the density at each place.
         count: number of points that will be sampled: edges are cut relative to their spacing.
-        outside: least exposure, 0 to 1, of places that get points: see `dapple.refine_outside`;
-            None: hidden places get points too.
+        outside: least exposure, 0 to 1, of places that get points, where the surface is at rest:
+            see `dapple.refine_outside`; None: hidden places get points too.
         balls: centers (k, 3) and radii (k,) of balls that are taken out.
         uv: (m, 3, 2), texture coordinates at the corners of the faces.
         image: (rows, columns), factors >= 0 by texture coordinates, row 0 at v = 0.
@@ -207,16 +207,13 @@ class MaskedSurface:
         self.surface = self._refined.surface
 
     def _leave_out_hidden(self, openness: float, count: int) -> None:
+        """Remove the density of hidden places; what is hidden at rest stays so."""
         edge = _AT_HIDDEN * _spacing(self.surface, self.corner_density(), count)
-        self._extend(
-            refine_outside(
-                self.surface,
-                edge,
-                openness=openness,
-                max_faces=_MOST_FACES,
-                context=self._context,
-            )
+        at_rest = self.surface if self._rest is None else self.surface.deformed(self._rest)
+        skin = refine_outside(
+            at_rest, edge, openness=openness, max_faces=_MOST_FACES, context=self._context
         )
+        self._extend(skin if self._rest is None else skin.deformed(self.surface.vertices))
 
     def _cut_for(
         self, fields: Sequence[Field], balls: tuple[Floats, Floats] | None, count: int
