@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 #include <cstring>
+#include <dapple/exposure.hpp>
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
 #include <dapple/refined_samples.hpp>
@@ -51,12 +52,22 @@ Refined take_obstacles(Bytes& bytes, const Surface& surface) {
                           {.edge = bytes.between(0.1, 1.0), .max_faces = kMostFaces});
 }
 
+Refined take_outside(Bytes& bytes, const Surface& surface) {
+  return refine_outside(
+      surface,
+      {.openness = take_option(bytes, {0.0, 1.0}, 0.05),
+       .edge = take_option(bytes, {0.0, kFinite, true}, 0.1 * std::sqrt(surface.area())),
+       .max_faces = kMostFaces});
+}
+
 Refined take_refined(Bytes& bytes, const Surface& surface) {
-  switch (bytes.below(3)) {
+  switch (bytes.below(4)) {
     case 0:
       return take_edges(bytes, surface);
     case 1:
       return take_picture(bytes, surface);
+    case 2:
+      return take_outside(bytes, surface);
     default:
       return take_obstacles(bytes, surface);
   }
