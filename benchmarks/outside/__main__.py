@@ -49,7 +49,7 @@ def hidden(surface: dapple.Surface, samples: dapple.Samples) -> int:
 
 
 def nearest_across(parts: np.ndarray, samples: dapple.Samples) -> np.ndarray:
-    """For each sample the distance to the nearest one on another part, infinite if there is none."""
+    """Distance (n,) of each sample to the nearest one on another part; inf if there is none."""
     own, found = parts[samples.faces], np.full(len(samples), np.inf)
     for k, place in enumerate(samples.positions):
         others = samples.positions[own != own[k]]

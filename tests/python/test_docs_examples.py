@@ -198,8 +198,12 @@ def test_the_masks_page_runs(here):
     hills = vertices * 20.0 + np.array([0.0, 0.0, 4.0]) * np.sin(5.0 * vertices[:, :1])
     dapple.write_mesh("hills.ply", hills, faces)
     dapple.write_mesh("road.ply", hills[:42], faces[:10] % 42)
+    ring, corners = shapes.torus()
+    both = np.vstack([ring, ring + np.array([0.5, 0.1, 0.2])])
+    dapple.write_mesh("knight.ply", both, np.vstack([corners, corners + len(ring)]))
     for command in code("docs/masks.md", "sh").splitlines():
-        arguments = shlex.split(command.replace("5000", "300").replace("0.2 ", "1.5 "))[1:]
+        fewer = command.replace("5000", "300").replace("1500", "300").replace("0.2 ", "1.5 ")
+        arguments = shlex.split(fewer)[1:]
         assert run(*arguments).exit_code == 0, command
     namespace = {}
     exec(code("docs/masks.md", "python").replace("2000", "300"), namespace)
