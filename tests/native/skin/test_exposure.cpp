@@ -7,6 +7,7 @@
 #include <dapple/refined_samples.hpp>
 #include <dapple/sampler.hpp>
 #include <numbers>
+#include <optional>
 
 #include "invariants.hpp"
 #include "mesh_area.hpp"
@@ -232,17 +233,17 @@ INSTANTIATE_TEST_SUITE_P(Shapes, OutsideOf, testing::ValuesIn(all_shapes()),
 
 TEST_P(OutsideOf, SamplesAreSeen) {
   const Surface surface = GetParam().surface();
-  Refined refined{surface, surface};
+  std::optional<Refined> refined;
   try {
     refined =
         refine_outside(surface, {.edge = 0.05 * std::sqrt(surface.area()), .max_faces = 20000});
   } catch (const ArgumentError&) {
     return;  // all that has a density is hidden
   }
-  EXPECT_NEAR(refined.surface.area(), surface.area(), 1e-6 * surface.area());
-  const Samples samples = sample(refined.surface, 60);
-  check(refined.surface, samples);
-  check(surface, to_original(refined, samples));
+  EXPECT_NEAR(refined->surface.area(), surface.area(), 1e-6 * surface.area());
+  const Samples samples = sample(refined->surface, 60);
+  check(refined->surface, samples);
+  check(surface, to_original(*refined, samples));
 }
 
 }  // namespace
