@@ -9,6 +9,7 @@
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
+#include "base/sort_unique.hpp"
 #include "base/triangle.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -172,8 +173,7 @@ Crossings find_crossings(const Surface& surface, Context* context) {
   Crossings result;
   for (const auto& segment : ends)
     result.points.insert(result.points.end(), segment.begin(), segment.end());
-  std::sort(result.points.begin(), result.points.end());
-  result.points.erase(std::unique(result.points.begin(), result.points.end()), result.points.end());
+  sort_unique(result.points);
   const auto index = [&](const Crossing& crossing) {
     return static_cast<std::int32_t>(
         std::lower_bound(result.points.begin(), result.points.end(), crossing) -
