@@ -170,8 +170,9 @@ std::vector<double> exposure(const Surface& surface, std::span<const std::int32_
   const Sky sky(surface, context);
   const OrderedSurface& mesh = surface.ordered();
   std::vector<double> result(faces.size(), 0.0);
+  Tally tally(context, faces.size());
   parallel_chunks(faces.size(), 64, [&](std::size_t begin, std::size_t end) {
-    check_context(context);
+    tally.check();
     for (std::size_t k = begin; k < end; ++k) {
       const OrderedFace face = mesh.ordered_face(faces[k]);
       if (!mesh.counts(face) || !(mesh.geometry(face).moments.area > 0.0)) continue;
@@ -179,7 +180,9 @@ std::vector<double> exposure(const Surface& surface, std::span<const std::int32_
       if (!sky.is_covered(place, faces[k]))
         result[k] = sky.exposure(place, mesh.geometry(face).normal);
     }
+    tally.add(end - begin);
   });
+  if (context) context->advance(1.0);
   return result;
 }
 
@@ -197,9 +200,10 @@ Refined refine_outside(const Surface& surface, const OutsideOptions& options, Co
   Hidden hidden(surface, options.openness, cutting.context());
   Refined fine = cut_where_hidden(joined, hidden, options, cutting.context());
   Refined result = joined.then(fine);
+  Stretch looking(context, kCut, 1.0);
   const std::vector<double> density =
-      outer_density(result.surface, hidden_faces(result, hidden, context));
-  result.surface = result.surface.with_density({DensityAt::kCorners, density}, context);
+      outer_density(result.surface, hidden_faces(result, hidden, looking.context()));
+  result.surface = result.surface.with_density({DensityAt::kCorners, density}, looking.context());
   // At a joint itself a sample would lie on both parts, and be seen or not by rounding.
   result.inset = kInset * options.edge;
   if (context) context->advance(1.0);
