@@ -111,7 +111,10 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1500)
     parser.add_argument("--seeds", type=int, default=3)
     given = parser.parse_args()
-    found = [(path.stem, dapple.read_mesh(path)) for path in given.meshes]
+    found: list[tuple[str, Mesh]] = []
+    for path in given.meshes:
+        vertices, faces = dapple.read_mesh(path)
+        found.append((path.stem, (vertices, faces.astype(np.int64))))
     found = found or [("figure of balls", figure())]
     head = ["model", "faces", "points", "hidden", "nearest across parts, spacings"]
     head += [f"pairs below {CROWDED}", "variation", "cutting, s", "sampling, s"]

@@ -7,6 +7,7 @@ build/venv/bin/python benchmarks/remesh/lines_picture.py OUT.webp fandisk.ply li
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import bpy
 import dapple3d as dapple
@@ -17,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from benchmarks.remesh.picture import STEP, material, set_scene, upright
 
 RADIUS = 0.01
-WAYS = (
+WAYS: tuple[tuple[int, int, dict[str, Any]], ...] = (
     (0, 220, {"corners": True}),
     (0, 220, {"line_spacing": "natural"}),
     (1, 90, {}),

@@ -10,7 +10,7 @@ import bpy
 
 from ...core.base.errors import ChangedError, ScatterError
 from ...core.base.steps import Steps, Task
-from ...core.density.hidden import MADE_OF_PARTS, hidden_share
+from ...core.density.hidden import MADE_OF_PARTS, hidden_share, parts_cross
 from ...core.settings.presets import Values, settings_with
 from ...core.solve.solve import Scattered, scatter
 from ...core.surface.arrays import SurfaceArrays
@@ -22,6 +22,7 @@ from ..presets.stored import apply
 from ..scatter.store import new_scatter
 from ..solve.session_solutions import write_solved
 from ..surface.current_binding import rest_of
+from ..surface.joined_parts import parts_of
 from ..surface.joined_surface import home_of, surface_over
 from ..surface.reading import as_read, read
 from ..surface.rest_position import kind_of_binding, rest_position, rest_position_kept
@@ -93,7 +94,8 @@ def _solved(surface: ObjectHandle, values: Values) -> Any:
     settings = settings_with(values)
     kind = kind_of_binding(surface.get(), bpy.context, values[""].get("attach_to", "AUTO"))
     arrays = read(surface.get(), settings)
-    values, hidden = yield Task(lambda _: _outside_if_made_of_parts(values, arrays))
+    several = len(parts_of(surface.get())) > 1
+    values, hidden = yield Task(lambda _: _outside_if_made_of_parts(values, arrays, several))
     settings = settings_with(values)
     found = yield Task(lambda worker: scatter(arrays, settings, worker))
     with as_read(arrays, surface, settings), rest_position(surface, kind):
@@ -101,10 +103,18 @@ def _solved(surface: ObjectHandle, values: Values) -> Any:
     return _Solved(values, hidden, arrays, found, rest)
 
 
-def _outside_if_made_of_parts(values: Values, arrays: SurfaceArrays) -> tuple[Values, float]:
-    """The values, with Outside Only if parts are hidden and no preset decides otherwise."""
+def _outside_if_made_of_parts(
+    values: Values, arrays: SurfaceArrays, several: bool
+) -> tuple[Values, float]:
+    """The values, with Outside Only if parts are hidden and no preset decides otherwise.
+
+    Parts are objects, or what passes through each other in one: the inner shell of a solidified
+    body is no part.
+    """
     density = values.get("density", {})
     if "use_outside" in density or (hidden := hidden_share(arrays)) < MADE_OF_PARTS:
+        return values, 0.0
+    if not several and not parts_cross(arrays):
         return values, 0.0
     return {**values, "density": {**density, "use_outside": True}}, hidden
 

@@ -23,6 +23,17 @@ def hidden_share(arrays: SurfaceArrays) -> float:
     return float((seen == 0.0).mean())
 
 
+def parts_cross(arrays: SurfaceArrays) -> bool:
+    """Whether faces of the surface pass through each other."""
+    surface = package().Surface(arrays.vertices, arrays.faces)
+    try:
+        # At this length nothing is cut but where faces cross.
+        joined = package().refine_outside(surface, np.sqrt(surface.area), openness=0.0)
+    except ValueError:  # nothing is seen
+        return False
+    return len(joined.surface.faces) > len(arrays.faces)
+
+
 def _areas(arrays: SurfaceArrays) -> Floats:
     a, b, c = (arrays.vertices[arrays.faces[:, k]] for k in range(3))
     areas: Floats = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)

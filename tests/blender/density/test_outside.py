@@ -50,6 +50,19 @@ def test_one_closed_body_stays_as_it_is():
     assert not added(60).dapple.density.use_outside
 
 
+def test_parts_of_one_object_are_parts_if_they_cross():
+    two_balls()
+    bpy.ops.object.join()
+    assert added(60).dapple.density.use_outside
+
+
+def test_the_inner_shell_of_a_solidified_body_is_no_part():
+    ball = scenes.sphere()
+    ball.modifiers.new("Shell", "SOLIDIFY").thickness = 0.1
+    ball.select_set(True)
+    assert not added(60).dapple.density.use_outside
+
+
 def test_points_inside_come_back_without_it():
     two_balls()
     obj = added()

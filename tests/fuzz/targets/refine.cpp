@@ -54,10 +54,9 @@ Refined take_obstacles(Bytes& bytes, const Surface& surface) {
 
 Refined take_outside(Bytes& bytes, const Surface& surface) {
   return refine_outside(
-      surface,
-      {.openness = take_option(bytes, {0.0, 1.0}, 0.05),
-       .edge = take_option(bytes, {0.0, kFinite, true}, 0.1 * std::sqrt(surface.area())),
-       .max_faces = kMostFaces});
+      surface, {.openness = take_option(bytes, {0.0, 1.0}, 0.05),
+                .edge = take_option(bytes, {0.0, kFinite, true}, 0.1 * std::sqrt(surface.area())),
+                .max_faces = kMostFaces});
 }
 
 Refined take_refined(Bytes& bytes, const Surface& surface) {
