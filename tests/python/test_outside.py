@@ -106,6 +106,35 @@ def test_masks_go_with_it(surface):
     assert samples.positions[:, 2].max() <= 1e-9
 
 
+def test_a_painted_density_needs_no_second_look(surface):
+    """What is hidden depends on the shape alone, and is the same as anew."""
+    first = density.MaskedSurface(surface, count=COUNT, outside=0.05)
+    values = 1.0 + surface.vertices[:, 2] ** 2
+    painted = surface.with_density(values)
+    again = density.MaskedSurface(painted, count=COUNT, outside=0.05, like=first)
+    anew = density.MaskedSurface(painted, count=COUNT, outside=0.05)
+    np.testing.assert_array_equal(again.surface.vertices, anew.surface.vertices)
+    np.testing.assert_array_equal(again.corner_density(), anew.corner_density())
+    corners = again.surface.vertices[again.surface.faces]
+    there = again.corner_density()
+    assert (there[is_hidden(corners.mean(axis=1), 0.02)] == 0.0).all()
+    seen = there.min(axis=1) > 0.0
+    on_vertices = 1.0 + corners[seen][:, :, 2] ** 2
+    np.testing.assert_allclose(there[seen], on_vertices, rtol=0.05)
+    again.to_original(dapple.sample(again.surface, COUNT))
+
+
+def test_what_is_hidden_at_rest_stays_hidden(surface):
+    moved = surface.vertices + np.array([0.0, 0.0, 1.0])
+    moved[len(moved) // 2 :] += [3.0, 0.0, 0.0]
+    apart = surface.deformed(moved)
+    masked = density.MaskedSurface(apart, count=COUNT, outside=0.05, rest=surface.vertices)
+    samples = masked.to_original(dapple.sample(masked.surface, COUNT))
+    check_samples(apart, samples)
+    back = dapple.Samples(surface, samples.faces, samples.barycentric)
+    assert not is_hidden(back.positions).any()
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

@@ -52,6 +52,7 @@ def masked_surface_of(
         image=around.image,
         tiles=around.tiles,
         values=arrays.weights,
+        like=like,
         rest=None if first is None else first.vertices,
         context=context,
     )

@@ -71,6 +71,23 @@ def test_points_inside_come_back_without_it():
     assert hidden(scenes.positions(obj)).any()
 
 
+def test_a_painted_stroke_leaves_points_outside():
+    two_balls()
+    bpy.ops.object.join()
+    ball = bpy.context.object
+    obj = added()
+    group = ball.vertex_groups.new(name="Grass")
+    high = [v.index for v in ball.data.vertices if v.co.z > 0.0]
+    group.add(range(len(ball.data.vertices)), 0.3, "REPLACE")
+    group.add(high, 1.0, "REPLACE")
+    obj.dapple.density.attribute = "Grass"
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    found = scenes.positions(obj)
+    assert not hidden(found).any()
+    assert (found[:, 2] > 0.0).mean() > 0.6
+
+
 def test_openness_leaves_out_crevices():
     two_balls()
     obj = added()

@@ -7,6 +7,7 @@ follow the original ones.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,24 @@ _REPEATED = 1.5  # the same for a picture that repeats often, which is fine ever
 _SHORTEST = 0.7  # shortest edge that is cut for a picture, in spacings where it is densest
 
 
+@dataclass(frozen=True)
+class _Skin:
+    """The part of a surface that is seen from outside."""
+
+    surface: Surface  # at rest, with the same density everywhere
+    openness: float
+    edge: float
+    refined: Refined  # of the surface; its density is 0 where that is hidden
+
+    def fits(self, surface: Surface, openness: float, edge: float) -> bool:
+        """Whether it is what another surface would have."""
+        return (
+            (self.openness, self.edge) == (openness, edge)
+            and np.array_equal(self.surface.vertices, surface.vertices)
+            and np.array_equal(self.surface.faces, surface.faces)
+        )
+
+
 class MaskedSurface:
     """A surface whose density is multiplied by fields and pictures.
 
@@ -68,6 +87,8 @@ class MaskedSurface:
         image: (rows, columns), factors >= 0 by texture coordinates, row 0 at v = 0.
         tiles: UDIM tiles in place of the image: the number and the factors of each.
         values: more values by name, each (v,), (m, 1) or (m, 3): densities of classes.
+        like: a masked surface of the same faces: if it has the same shape at rest, what is hidden
+            is taken from it.
         rest: (v, 3), vertices of the surface where fields that ride on it are looked up; None:
             where they are.
         context: cancels the cutting.
@@ -90,6 +111,7 @@ class MaskedSurface:
         image: Floats | None = None,
         tiles: Sequence[Tile] = (),
         values: Mapping[str, Floats] | None = None,
+        like: "MaskedSurface | None" = None,
         rest: Floats | None = None,
         context: Context | None = None,
     ) -> None:
@@ -102,9 +124,10 @@ class MaskedSurface:
         self.surface, self._original, self._context = surface, surface, context
         self._values, self._rest = values or {}, rest
         self._refined: Refined | None = None
+        self._skin: _Skin | None = None
         count = min(max(count, _COUNTS[0]), _COUNTS[1])
         if outside is not None:
-            self._leave_out_hidden(outside, count)
+            self._leave_out_hidden(outside, count, None if like is None else like._skin)
         if fields or balls is not None:
             self._cut_for(fields, balls, count)
         if image is not None and uv is not None:
@@ -206,14 +229,25 @@ class MaskedSurface:
         self._refined = cut if self._refined is None else self._refined.then(cut)
         self.surface = self._refined.surface
 
-    def _leave_out_hidden(self, openness: float, count: int) -> None:
+    def _leave_out_hidden(self, openness: float, count: int, known: _Skin | None) -> None:
         """Remove the density of hidden places; what is hidden at rest stays so."""
         edge = _AT_HIDDEN * _spacing(self.surface, self.corner_density(), count)
         at_rest = self.surface if self._rest is None else self.surface.deformed(self._rest)
-        skin = refine_outside(
-            at_rest, edge, openness=openness, max_faces=_MOST_FACES, context=self._context
+        if known is None or not known.fits(at_rest, openness, edge):
+            known = self._skin_of(at_rest.with_density(None), openness, edge)
+        self._skin, moved = known, self._rest is not None
+        self._extend(known.refined.deformed(self.surface.vertices) if moved else known.refined)
+        if density_of(self._original) is not None:
+            parents, corners = self.pieces
+            own = np.einsum("mkc,mc->mk", corners, self.own_density[parents])
+            shaped = self.surface.with_density(own * self.corner_density(), density_at="corners")
+            self._extend(refine_edges(shaped, np.inf))
+
+    def _skin_of(self, surface: Surface, openness: float, edge: float) -> _Skin:
+        refined = refine_outside(
+            surface, edge, openness=openness, max_faces=_MOST_FACES, context=self._context
         )
-        self._extend(skin if self._rest is None else skin.deformed(self.surface.vertices))
+        return _Skin(surface, openness, edge, refined)
 
     def _cut_for(
         self, fields: Sequence[Field], balls: tuple[Floats, Floats] | None, count: int
