@@ -47,8 +47,10 @@ void bind_lines(py::module_& m) {
   type.def("__len__", [](const LineSamples& s) { return s.samples.size(); })
       .def_property_readonly(
           "samples",
-          [](const std::shared_ptr<LineSamples>& s) {
-            return std::shared_ptr<Samples>(s, &s->samples);
+          [](const py::object& self) {
+            (void)self.cast<const LineSamples&>();  // refuses one without its constructor
+            const auto whole = self.cast<std::shared_ptr<LineSamples>>();
+            return std::shared_ptr<Samples>(whole, &whole->samples);
           },
           "The Samples: corners first, then line after line, along each. Normals are the mean of "
           "the faces' there; report.spacing is the mean distance along lines.")
