@@ -95,12 +95,19 @@ def _solved(surface: ObjectHandle, values: Values) -> Any:
     kind = kind_of_binding(surface.get(), bpy.context, values[""].get("attach_to", "AUTO"))
     arrays = read(surface.get(), settings)
     several = len(parts_of(surface.get())) > 1
-    values, hidden = yield Task(lambda _: _outside_if_made_of_parts(values, arrays, several))
+    values, hidden, found = yield Task(lambda worker: _scattered(values, arrays, several, worker))
     settings = settings_with(values)
-    found = yield Task(lambda worker: scatter(arrays, settings, worker))
     with as_read(arrays, surface, settings), rest_position(surface, kind):
         rest = rest_of(surface.get(), arrays, found.binding, kind)
     return _Solved(values, hidden, arrays, found, rest)
+
+
+def _scattered(
+    values: Values, arrays: SurfaceArrays, several: bool, worker: Any
+) -> tuple[Values, float, Scattered]:
+    """The values that were used, the hidden share (see Added), and the points."""
+    values, hidden = _outside_if_made_of_parts(values, arrays, several)
+    return values, hidden, scatter(arrays, settings_with(values), worker)
 
 
 def _outside_if_made_of_parts(

@@ -12,13 +12,19 @@ MADE_OF_PARTS = 0.02  # hidden share from which a surface counts as made of part
 
 
 def hidden_share(arrays: SurfaceArrays) -> float:
-    """About which share of the area sees nothing of the sky, 0 to 1; 0 for very many faces."""
+    """About which share of the area sees nothing of the sky, 0 to 1.
+
+    0 for very many faces, and for a surface that nothing can be scattered on.
+    """
     if not 0 < len(arrays.faces) <= _MOST_FACES:
+        return 0.0
+    try:
+        surface = package().Surface(arrays.vertices, arrays.faces)
+    except ValueError:  # the solver says what is wrong with it
         return 0.0
     sums = np.cumsum(_areas(arrays))
     wanted = (np.arange(_PLACES) + 0.5) / _PLACES * sums[-1]
     faces = np.searchsorted(sums, wanted).astype(np.int32)
-    surface = package().Surface(arrays.vertices, arrays.faces)
     seen = package().exposure(surface, faces, np.full((_PLACES, 3), 1.0 / 3.0))
     return float((seen == 0.0).mean())
 
