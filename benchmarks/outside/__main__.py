@@ -14,6 +14,7 @@ from pathlib import Path
 import dapple3d as dapple
 import numpy as np
 
+from benchmarks.compare.components import components
 from benchmarks.compare.tables import say, table
 from benchmarks.specks.shapes import Mesh, joined, moved, sphere
 
@@ -28,18 +29,10 @@ def figure() -> Mesh:
     return joined([moved(sphere(3), size, np.array(at)) for at, size in parts])
 
 
-def components(mesh: Mesh) -> np.ndarray:
+def parts_of(mesh: Mesh) -> np.ndarray:
     """The connected part (m,) of each face."""
-    vertices, faces = mesh
-    _, place = np.unique(vertices, axis=0, return_inverse=True)
-    corners, label = place.ravel()[faces], np.arange(place.max() + 1)
-    while True:
-        lowest = label[corners].min(axis=1)
-        before = label.copy()
-        for k in range(3):
-            np.minimum.at(label, corners[:, k], lowest)
-        if np.array_equal(label, before):
-            return label[corners[:, 0]]
+    _, places = np.unique(mesh[0], axis=0, return_inverse=True)
+    return components(places.ravel()[mesh[1]].astype(np.int32))
 
 
 def hidden(surface: dapple.Surface, samples: dapple.Samples) -> int:
@@ -59,7 +52,7 @@ def nearest_across(parts: np.ndarray, samples: dapple.Samples) -> np.ndarray:
 
 
 def rows(name: str, mesh: Mesh, count: int, seeds: int) -> list[list[str]]:
-    surface, parts = dapple.Surface(*mesh), components(mesh)
+    surface, parts = dapple.Surface(*mesh), parts_of(mesh)
     begin = time.perf_counter()
     refined = dapple.refine_outside(surface, EDGE * surface.spacing(count))
     cutting = time.perf_counter() - begin

@@ -10,7 +10,7 @@ import bpy
 
 from ...core.base.errors import ChangedError, ScatterError
 from ...core.base.steps import Steps, Task
-from ...core.density.hidden import MADE_OF_PARTS, hidden_share, parts_cross
+from ...core.density.hidden import share_in_parts
 from ...core.settings.presets import Values, settings_with
 from ...core.solve.solve import Scattered, scatter
 from ...core.surface.arrays import SurfaceArrays
@@ -105,25 +105,13 @@ def _solved(surface: ObjectHandle, values: Values) -> Any:
 def _scattered(
     values: Values, arrays: SurfaceArrays, several: bool, worker: Any
 ) -> tuple[Values, float, Scattered]:
-    """The values that were used, the hidden share (see Added), and the points."""
-    values, hidden = _outside_if_made_of_parts(values, arrays, several)
-    return values, hidden, scatter(arrays, settings_with(values), worker)
-
-
-def _outside_if_made_of_parts(
-    values: Values, arrays: SurfaceArrays, several: bool
-) -> tuple[Values, float]:
-    """The values, with Outside Only if parts are hidden and no preset decides otherwise.
-
-    Parts are objects, or what passes through each other in one: the inner shell of a solidified
-    body is no part.
+    """The values, with Outside Only if parts are hidden and no preset decides otherwise; the share
+    that is hidden, see Added; and the points.
     """
-    density = values.get("density", {})
-    if "use_outside" in density or (hidden := hidden_share(arrays)) < MADE_OF_PARTS:
-        return values, 0.0
-    if not several and not parts_cross(arrays):
-        return values, 0.0
-    return {**values, "density": {**density, "use_outside": True}}, hidden
+    density, hidden = values.get("density", {}), 0.0
+    if "use_outside" not in density and (hidden := share_in_parts(arrays, several)):
+        values = {**values, "density": {**density, "use_outside": True}}
+    return values, hidden, scatter(arrays, settings_with(values), worker)
 
 
 @contextmanager

@@ -238,8 +238,7 @@ class MaskedSurface:
         self._skin, moved = known, self._rest is not None
         self._extend(known.refined.deformed(self.surface.vertices) if moved else known.refined)
         if density_of(self._original) is not None:
-            parents, corners = self.pieces
-            own = np.einsum("mkc,mc->mk", corners, self.own_density[parents])
+            own = self._carried(self.own_density)
             shaped = self.surface.with_density(own * self.corner_density(), density_at="corners")
             self._extend(refine_edges(shaped, np.inf))
 
