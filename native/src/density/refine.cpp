@@ -7,7 +7,7 @@
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
-#include "density/carried.hpp"
+#include "density/pieces.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -56,16 +56,6 @@ struct Triangle {
   bool fresh = true;  // the criterion has not been evaluated for it
 };
 
-/// Per vertex, its representative in the welded faces.
-std::vector<std::int32_t> welded_vertices(std::span<const Face> faces, std::span<const Face> welded,
-                                          std::size_t count) {
-  std::vector<std::int32_t> result(count, kNone);
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    for (std::size_t k = 0; k < 3; ++k)
-      result[static_cast<std::size_t>(faces[f][k])] = welded[f][k];
-  return result;
-}
-
 /// Triangles store their edges, and edges store their halves, so that neighbors use the same
 /// midpoints, or midpoints at the same place if their vertices differ.
 class CutMesh {
@@ -74,7 +64,7 @@ class CutMesh {
       : surface_(&surface),
         vertices_(surface.vertices()),
         faces_(surface.faces()),
-        welded_(welded_vertices(faces_, surface.welded_faces(), vertices_.size())),
+        welded_(welded_vertices(surface)),
         context_(context) {
     std::vector<std::int32_t> edge_of(3 * faces_.size(), kNone);  // per half-edge
     for (std::size_t f = 0; f < faces_.size(); ++f) {
@@ -320,8 +310,7 @@ class CutMesh {
   [[nodiscard]] std::vector<std::int32_t> places() const {
     std::vector<std::int32_t> result(vertices_.size());
     std::iota(result.begin(), result.end(), 0);
-    for (std::size_t v = 0; v < welded_.size(); ++v)
-      if (welded_[v] != kNone) result[v] = welded_[v];
+    std::copy(welded_.begin(), welded_.end(), result.begin());
     for (const Edge& e : edges_) {
       check_at(context_, static_cast<std::size_t>(&e - edges_.data()));
       for (const Edge* t = &edge(e.twin); e.midpoint != kNone && t != &e; t = &edge(t->twin)) {
@@ -405,10 +394,7 @@ Refined refine_edges(const Surface& surface, std::span<const double> longest, st
       throw ArgumentError(entry("longest", k) + " is " + number(longest[k]) + ": it must be > 0");
   const auto too_long = [&](const Piece& piece) {
     const double limit = longest[longest.size() == 1 ? 0 : static_cast<std::size_t>(piece.parent)];
-    EdgeMarks marks{};
-    for (std::size_t k = 0; k < 3; ++k)
-      marks[k] = (piece.corners[(k + 1) % 3] - piece.corners[k]).norm() > limit;
-    return marks;
+    return longer_than(limit, piece.corners);
   };
   return cut(surface, too_long, true, max_faces, context);
 }

@@ -8,6 +8,7 @@
 #include "base/progress.hpp"
 #include "base/triangle.hpp"
 #include "base/validate.hpp"
+#include "density/pieces.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -84,10 +85,6 @@ Refined uncut(const Surface& surface) {
   return refined;
 }
 
-EdgeMarks longer_than(double limit, const std::array<Vec3, 3>& t) {
-  return {(t[1] - t[0]).norm() > limit, (t[2] - t[1]).norm() > limit, (t[0] - t[2]).norm() > limit};
-}
-
 std::array<Vec3, 3> corners_of(const OrderedSurface& surface, OrderedFace face) {
   const auto [a, b, c] = surface.corners(face);
   return {surface.vertex(a), surface.vertex(b), surface.vertex(c)};
@@ -119,18 +116,16 @@ Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
                            options.max_faces, cutting.context());
   const OrderedSurface& fine = refined.surface.ordered();
   Stretch filling(context, kCut, kFilled), measuring(context, kFilled, 1.0);
-  std::vector<double> density;
-  bool left = false;
+  std::vector<std::uint8_t> taken;
   for (std::size_t f = 0; f < refined.parents.size(); ++f) {
     report_at(filling.context(), f, refined.parents.size());
     const OrderedFace face = fine.ordered_face(static_cast<std::int32_t>(f));
-    const bool taken =
-        in_area(refined.parents[f]) || balls.reach(refined.parents[f], corners_of(fine, face));
-    const Vec3 values = taken ? Vec3(Vec3::Zero()) : fine.densities(face);
-    density.insert(density.end(), values.begin(), values.end());
-    left = left || (!taken && fine.geometry(face).moments.capacity > 0.0);
+    taken.push_back(in_area(refined.parents[f]) ||
+                    balls.reach(refined.parents[f], corners_of(fine, face)));
   }
-  if (!left) throw ArgumentError("points and areas take all of the surface: nothing can be placed");
+  const std::vector<double> density = density_without(refined.surface, taken);
+  if (density.empty())
+    throw ArgumentError("points and areas take all of the surface: nothing can be placed");
   refined.surface =
       refined.surface.with_density({DensityAt::kCorners, density}, measuring.context());
   if (context) context->advance(1.0);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -36,14 +35,6 @@ struct LineRules {
 
 [[nodiscard]] inline std::int32_t end_of(const OrderedSurface& mesh, std::int32_t h) {
   return mesh.welded_corners(face_of(h))[static_cast<std::size_t>((h + 1) % 3)];
-}
-
-/// The lowest half-edge of an edge, which stands for it.
-[[nodiscard]] inline std::int32_t edge_of(const OrderedSurface& mesh, std::int32_t half_edge) {
-  std::int32_t lowest = half_edge;
-  for (std::int32_t g = mesh.next_around(half_edge); g != half_edge; g = mesh.next_around(g))
-    lowest = std::min(lowest, g);
-  return lowest;
 }
 
 [[nodiscard]] inline int faces_around(const OrderedSurface& mesh, std::int32_t h) {

@@ -11,14 +11,6 @@
 namespace dapple {
 namespace {
 
-/// A number shared by all half-edges of an edge.
-std::int32_t edge_of(const OrderedSurface& mesh, std::int32_t half_edge) {
-  std::int32_t least = half_edge;
-  for (std::int32_t h = mesh.next_around(half_edge); h != half_edge; h = mesh.next_around(h))
-    least = std::min(least, h);
-  return least;
-}
-
 /// The vertices of faces; sorted.
 std::vector<std::int32_t> vertices_of(const OrderedSurface& mesh,
                                       std::span<const OrderedFace> faces) {

@@ -6,12 +6,12 @@
 #include <queue>
 #include <string>
 
-#include "base/elementary.hpp"
 #include "base/progress.hpp"
 #include "base/random.hpp"
 #include "base/validate.hpp"
 #include "lines/line_sites.hpp"
 #include "sample/timed_call.hpp"
+#include "surface/corner_normals.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -196,7 +196,7 @@ class LineSampler {
     for (std::size_t k = 0; k < 3 * surface_.face_count(); ++k) {
       const auto h = static_cast<std::int32_t>(k);
       if (mesh_.counts(face_of(h)))
-        normals[as_index(start_of(mesh_, h))] += angle_at(h) * normal_of(face_of(h));
+        normals[as_index(start_of(mesh_, h))] += angle_at(mesh_, h) * normal_of(face_of(h));
     }
     for (const LineChain& chain : lines_.chains()) {
       const std::size_t n = chain.vertices.size();
@@ -210,14 +210,6 @@ class LineSampler {
       const std::size_t v = as_index(lines_.corners()[k]);
       add(lines_.half_edge_at(k), 0.0, tangents[v], normals[v], -1);
     }
-  }
-
-  [[nodiscard]] double angle_at(std::int32_t h) const {
-    const auto& corners = mesh_.welded_corners(face_of(h));
-    const Vec3 p = mesh_.vertex(corners[as_index(h % 3)]);
-    const Vec3 a = mesh_.vertex(corners[as_index((h + 1) % 3)]) - p;
-    const Vec3 b = mesh_.vertex(corners[as_index((h + 2) % 3)]) - p;
-    return angle_of(a.cross(b).norm(), a.dot(b));
   }
 
   [[nodiscard]] LineSamples finished() {

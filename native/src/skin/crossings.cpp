@@ -69,7 +69,7 @@ std::vector<Pair> near_pairs(const OrderedSurface& mesh, Context* context) {
 /// So of the two faces at an edge that another edge touches exactly one is passed through.
 class EdgeTest {
  public:
-  explicit EdgeTest(const Surface& surface) : surface_(surface), mesh_(surface.ordered()) {}
+  explicit EdgeTest(const OrderedSurface& mesh) : mesh_(mesh) {}
 
   /// The two ends of the segment that faces have in common; empty if they do not cross.
   [[nodiscard]] std::vector<Crossing> common(OrderedFace a, OrderedFace b) const {
@@ -112,8 +112,8 @@ class EdgeTest {
       const auto [p, q] = std::minmax(corners[k], corners[(k + 1) % 3]);
       if (sides[k] == sides[(k + 1) % 3] || !passes_inside(p, q, through)) continue;
       const double share = share_at(p, q, through);
-      found.push_back({edge_number(surface_, half_edge(edges_of, static_cast<std::int32_t>(k))),
-                       face, share, between(mesh_.vertex(p), mesh_.vertex(q), share)});
+      found.push_back({edge_of(mesh_, half_edge(edges_of, static_cast<std::int32_t>(k))), face,
+                       share, between(mesh_.vertex(p), mesh_.vertex(q), share)});
     }
   }
 
@@ -137,15 +137,14 @@ class EdgeTest {
     return from == to ? 0.5 : std::clamp(from / (from - to), 0.0, 1.0);
   }
 
-  const Surface& surface_;
   const OrderedSurface& mesh_;
 };
 
 /// Per pair of faces, the ends of the segment that they have in common.
-std::vector<std::vector<Crossing>> common_segments(const Surface& surface,
+std::vector<std::vector<Crossing>> common_segments(const OrderedSurface& mesh,
                                                    const std::vector<Pair>& pairs,
                                                    Context* context) {
-  const EdgeTest test(surface);
+  const EdgeTest test(mesh);
   std::vector<std::vector<Crossing>> ends(pairs.size());
   parallel_chunks(pairs.size(), 256, [&](std::size_t begin, std::size_t end) {
     check_context(context);
@@ -157,19 +156,11 @@ std::vector<std::vector<Crossing>> common_segments(const Surface& surface,
 
 }  // namespace
 
-std::int32_t edge_number(const Surface& surface, std::int32_t half_edge) {
-  std::int32_t lowest = half_edge;
-  for (std::int32_t h = surface.ordered().next_around(half_edge); h != half_edge;
-       h = surface.ordered().next_around(h))
-    lowest = std::min(lowest, h);
-  return lowest;
-}
-
 Crossings find_crossings(const Surface& surface, Context* context) {
   Stretch pairing(context, 0.0, kPaired);
   const std::vector<Pair> pairs = near_pairs(surface.ordered(), pairing.context());
   Stretch testing(context, kPaired, 1.0);
-  const auto ends = common_segments(surface, pairs, testing.context());
+  const auto ends = common_segments(surface.ordered(), pairs, testing.context());
   Crossings result;
   for (const auto& segment : ends)
     result.points.insert(result.points.end(), segment.begin(), segment.end());

@@ -13,7 +13,7 @@ namespace dapple {
 
 /// A point where an edge passes through a face.
 struct Crossing {
-  std::int32_t edge = 0;  ///< the lowest half-edge of the edge
+  std::int32_t edge = 0;  ///< see edge_of()
   OrderedFace face{};     ///< the face that it passes through
   double share = 0.0;     ///< how far along the edge, from its lower welded vertex; 0..1
   Vec3 position = Vec3::Zero();
@@ -38,9 +38,6 @@ struct Crossings {
   std::vector<Crossing> points;     ///< sorted by edge, then by face
   std::vector<CrossingLine> lines;  ///< sorted by face
 };
-
-/// The lowest half-edge of the edge of a half-edge, which numbers the edge.
-[[nodiscard]] std::int32_t edge_number(const Surface& surface, std::int32_t half_edge);
 
 /// Find where faces without a common vertex pass through each other. Predicates are exact, so faces
 /// on either side of an edge agree on what passes through it; faces that lie on each other do not

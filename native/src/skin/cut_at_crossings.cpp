@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/triangle.hpp"
-#include "density/carried.hpp"
+#include "density/pieces.hpp"
 #include "skin/crossings.hpp"
 #include "skin/cut_face.hpp"
 #include "surface/ordered_surface.hpp"
@@ -63,6 +62,7 @@ class Cutter {
         context_(context),
         vertices_(surface.vertices()),
         faces_(surface.faces()),
+        welded_(welded_vertices(surface)),
         result_{surface, surface, {}, {}, {}, {}, true} {}
 
   Refined run() {
@@ -96,7 +96,7 @@ class Cutter {
   [[nodiscard]] bool is_cut(OrderedFace face) const {
     if (!lines_in(face).empty()) return true;
     for (std::int32_t k = 0; k < 3; ++k) {
-      const auto [first, last] = on_edge(edge_number(surface_, half_edge(face, k)));
+      const auto [first, last] = on_edge(edge_of(mesh_, half_edge(face, k)));
       if (first != last) return true;
     }
     return false;
@@ -122,7 +122,7 @@ class Cutter {
                  std::vector<std::array<std::int32_t, 2>>& segments) const {
     for (std::int32_t k = 0; k < 3; ++k) {
       const std::int32_t h = half_edge(face, k);
-      auto [first, last] = on_edge(edge_number(surface_, h));
+      auto [first, last] = on_edge(edge_of(mesh_, h));
       std::vector<std::pair<double, std::int32_t>> along;
       const Face welded = mesh_.welded_corners(face);
       const bool forward = welded[as_index(k)] < welded[as_index((k + 1) % 3)];
@@ -203,19 +203,9 @@ class Cutter {
     return false;
   }
 
-  void weld_vertices() {
-    const std::vector<Face> welded = surface_.welded_faces();
-    welded_.resize(vertices_.size());
-    std::iota(welded_.begin(), welded_.end(), 0);
-    for (std::size_t f = 0; f < faces_.size(); ++f)
-      for (std::size_t k = 0; k < 3; ++k)
-        welded_[static_cast<std::size_t>(faces_[f][k])] = welded[f][k];
-  }
-
   /// Numbers places: welded vertices first, then crossings, then points where lines cross. Points
   /// very close to an earlier one have its number.
   void find_places() {
-    weld_vertices();
     std::vector<Vec3> spots = vertices_;
     for (const Crossing& point : crossings_.points) spots.push_back(point.position);
     for (const LocalFace& local : cut_)
@@ -262,7 +252,7 @@ class Cutter {
   }
 
   [[nodiscard]] std::int32_t whole_edge(std::int32_t face, std::int32_t side) const {
-    return edge_number(surface_, half_edge(mesh_.ordered_face(face), side));
+    return edge_of(mesh_, half_edge(mesh_.ordered_face(face), side));
   }
 
   void add_whole(std::int32_t face) {
@@ -346,9 +336,9 @@ class Cutter {
   Context* context_;
   std::vector<Vec3> vertices_;
   std::vector<Face> faces_;
+  std::vector<std::int32_t> welded_;  // per vertex
   Refined result_;
   std::vector<LocalFace> cut_;          // in the order of their parents
-  std::vector<std::int32_t> welded_;    // per vertex
   std::vector<std::int32_t> place_of_;  // per vertex, crossing and point where lines cross
   std::map<std::int32_t, std::int32_t> first_at_;  // per place that is no vertex's
   std::int32_t next_new_ = 0;

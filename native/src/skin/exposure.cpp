@@ -10,6 +10,7 @@
 #include "base/progress.hpp"
 #include "base/triangle.hpp"
 #include "base/validate.hpp"
+#include "density/pieces.hpp"
 #include "skin/cut_at_crossings.hpp"
 #include "skin/sky.hpp"
 #include "surface/ordered_surface.hpp"
@@ -136,25 +137,6 @@ std::vector<std::uint8_t> hidden_faces(const Refined& refined, Hidden& hidden, C
   return result;
 }
 
-/// The density at the corners of the faces of a surface, 0 on hidden ones.
-std::vector<double> outer_density(const Surface& surface, const std::vector<std::uint8_t>& hidden) {
-  const OrderedSurface& mesh = surface.ordered();
-  std::vector<double> density;
-  density.reserve(3 * hidden.size());
-  bool left = false;
-  for (std::size_t f = 0; f < hidden.size(); ++f) {
-    const OrderedFace face = mesh.ordered_face(static_cast<std::int32_t>(f));
-    const Vec3 values = hidden[f] ? Vec3(Vec3::Zero()) : mesh.densities(face);
-    density.insert(density.end(), values.begin(), values.end());
-    left = left || (!hidden[f] && mesh.geometry(face).moments.capacity > 0.0);
-  }
-  if (!left)
-    throw ArgumentError(
-        "nothing of the surface with a density is seen from outside: openness is "
-        "too large, or another part encloses it");
-  return density;
-}
-
 void check_options(const OutsideOptions& options) {
   if (!(options.openness >= 0.0 && options.openness <= 1.0))
     throw ArgumentError("openness is " + number(options.openness) + ": it must be in 0..1");
@@ -202,7 +184,11 @@ Refined refine_outside(const Surface& surface, const OutsideOptions& options, Co
   Refined result = joined.then(fine);
   Stretch looking(context, kCut, 1.0);
   const std::vector<double> density =
-      outer_density(result.surface, hidden_faces(result, hidden, looking.context()));
+      density_without(result.surface, hidden_faces(result, hidden, looking.context()));
+  if (density.empty())
+    throw ArgumentError(
+        "nothing of the surface with a density is seen from outside: openness is too large, or "
+        "another part encloses it");
   result.surface = result.surface.with_density({DensityAt::kCorners, density}, looking.context());
   // At a joint itself a sample would lie on both parts, and be seen or not by rounding.
   result.inset = kInset * options.edge;

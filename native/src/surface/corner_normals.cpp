@@ -111,16 +111,6 @@ Vec3 of_length_one_or_so(const Vec3& v) {
   return largest > 0.0 ? Vec3(v * std::ldexp(1.0, -std::ilogb(largest))) : v;
 }
 
-double angle_at(const OrderedSurface& mesh, std::int32_t corner) {
-  const Face& v = mesh.corners(face_of(corner));
-  const auto vertex = [&](std::int32_t h) -> const Vec3& {
-    return mesh.vertex(v[static_cast<std::size_t>(corner_of(h))]);
-  };
-  const Vec3 ahead = of_length_one_or_so(vertex(next_in_face(corner)) - vertex(corner));
-  const Vec3 behind = of_length_one_or_so(vertex(previous_in_face(corner)) - vertex(corner));
-  return angle_of(ahead.cross(behind).norm(), ahead.dot(behind));
-}
-
 Vec3 mean_normal(const OrderedSurface& mesh, std::span<const std::int32_t> fan) {
   Vec3 sum = Vec3::Zero();
   for (const std::int32_t corner : fan)
@@ -130,6 +120,16 @@ Vec3 mean_normal(const OrderedSurface& mesh, std::span<const std::int32_t> fan) 
 }
 
 }  // namespace
+
+double angle_at(const OrderedSurface& mesh, std::int32_t corner) {
+  const Face& v = mesh.corners(face_of(corner));
+  const auto vertex = [&](std::int32_t h) -> const Vec3& {
+    return mesh.vertex(v[static_cast<std::size_t>(corner_of(h))]);
+  };
+  const Vec3 ahead = of_length_one_or_so(vertex(next_in_face(corner)) - vertex(corner));
+  const Vec3 behind = of_length_one_or_so(vertex(previous_in_face(corner)) - vertex(corner));
+  return angle_of(ahead.cross(behind).norm(), ahead.dot(behind));
+}
 
 std::shared_ptr<const Shading> shading_by_angle(const OrderedSurface& mesh, double sharp_angle) {
   const double cosine = limit_of(sharp_angle);

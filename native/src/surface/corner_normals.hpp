@@ -19,6 +19,9 @@ namespace dapple {
                                                                 double sharp_angle,
                                                                 std::span<const Vec3> corners);
 
+/// The angle of a face at one of its corners, in radians; corners are numbered like half-edges.
+[[nodiscard]] double angle_at(const OrderedSurface& mesh, std::int32_t corner);
+
 /// Unit normals at the corners of faces: the given ones, elsewhere the mean over the surrounding
 /// faces that are joined to this one by edges that are not hard, weighted by their angles at the
 /// vertex (Thuermer and Wuethrich 1998). Zero where these cancel.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <dapple/context.hpp>
 #include <dapple/moments.hpp>
 #include <dapple/surface.hpp>
@@ -172,6 +173,14 @@ class OrderedSurface {
   std::shared_ptr<const Shading> shading_;
   const FaceGeometry* const* first_geometry_ = nullptr;  // per block
 };
+
+/// The lowest half-edge of an edge, which stands for it.
+[[nodiscard]] inline std::int32_t edge_of(const OrderedSurface& mesh, std::int32_t half_edge) {
+  std::int32_t lowest = half_edge;
+  for (std::int32_t g = mesh.next_around(half_edge); g != half_edge; g = mesh.next_around(g))
+    lowest = std::min(lowest, g);
+  return lowest;
+}
 
 /// The indices of a density's values in the caller's order, and how many go together.
 struct DensityLayout {

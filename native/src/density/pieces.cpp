@@ -1,10 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "density/carried.hpp"
+#include "density/pieces.hpp"
+
+#include <numeric>
 
 #include "base/progress.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
+
+std::vector<std::int32_t> welded_vertices(const Surface& surface) {
+  const std::vector<Face> faces = surface.faces(), welded = surface.welded_faces();
+  std::vector<std::int32_t> result(surface.vertex_count());
+  std::iota(result.begin(), result.end(), 0);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k)
+      result[static_cast<std::size_t>(faces[f][k])] = welded[f][k];
+  return result;
+}
+
+std::vector<double> density_without(const Surface& surface, std::span<const std::uint8_t> taken) {
+  const OrderedSurface& mesh = surface.ordered();
+  std::vector<double> density;
+  density.reserve(3 * taken.size());
+  bool left = false;
+  for (std::size_t f = 0; f < taken.size(); ++f) {
+    const OrderedFace face = mesh.ordered_face(static_cast<std::int32_t>(f));
+    const Vec3 values = taken[f] ? Vec3(Vec3::Zero()) : mesh.densities(face);
+    density.insert(density.end(), values.begin(), values.end());
+    left = left || (!taken[f] && mesh.geometry(face).moments.capacity > 0.0);
+  }
+  return left ? density : std::vector<double>();
+}
 
 std::vector<double> carried_density(const Surface& surface, const Refined& refined,
                                     const Context* context) {
