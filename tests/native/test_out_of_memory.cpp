@@ -544,7 +544,7 @@ constexpr std::array kCases = {
     Case{"Remesh", remeshing},
     Case{"Decals", covering},
     Case{"Refine", refining},
-    Case{"RefineOutside", leaving_out_hidden_faces},
+    Case{"RefineOutside", leaving_out_hidden_faces, 1},  // as Polygon
     Case{"RefineImage", refining_to_a_picture},
     Case{"Spectrum", a_spectrum},
     Case{"SurfaceSpectrum", a_spectrum_of_a_surface},
