@@ -49,3 +49,9 @@ def test_a_step_names_files_and_functions_that_exist(step):
 def test_there_are_walks():
     assert len(re.findall(r"^## From ", PAGE.read_text(encoding="utf-8"), re.MULTILINE)) >= 4
     assert len(steps()) > 25
+
+
+def test_a_sample_reaches_the_clip_in_few_steps():
+    page = PAGE.read_text(encoding="utf-8")
+    first = page.split("\n## From ")[1]
+    assert len(re.findall(r"^\d+\. ", first, re.MULTILINE)) <= 7

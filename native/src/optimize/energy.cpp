@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/energy.hpp>
+#include "optimize/energy.hpp"
+
+#include <cmath>
 
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "base/vectors.hpp"
-#include "optimize/finite_energy.hpp"
-#include "optimize/owned_share.hpp"
 #include "voronoi/unit_voronoi.hpp"
 
 namespace dapple {
@@ -27,21 +27,6 @@ void find_gradient(const RestrictedVoronoi& diagram, double capacity_weight,
           side.flux;
     result[i] = -2.0 * cell.first + 2.0 * capacity_weight * capacity;
   });
-}
-
-/// Sum up the energy over its cells.
-void assemble(Energy& energy, double capacity, double capacity_weight) {
-  const std::vector<Moments>& cells = energy.diagram.cells;
-  energy.cvt =
-      parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) { return cells[k].second; });
-  energy.capacity_term = parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) {
-    return cells[k].capacity * cells[k].capacity;
-  });
-  energy.total = energy.cvt + capacity_weight * energy.capacity_term;
-  const auto count = static_cast<double>(energy.diagram.cells.size());
-  const double owned = capacity * owned_share(energy.diagram, capacity);
-  energy.normalized = count / owned * energy.total / owned - capacity_weight;
-  find_gradient(energy.diagram, capacity_weight, energy.gradient);
 }
 
 Energy without_unit(Energy energy, double density_unit) {
@@ -74,7 +59,21 @@ void update_energy(Energy& energy, const Domain& domain, const Sites& sites, dou
   domain.check(sites);
   check_at_least("capacity_weight", capacity_weight, 0.0);
   in_stage(context, Stage::kCells, [&] { domain.update_cells(energy.diagram, sites, context); });
-  assemble(energy, domain.capacity(), capacity_weight);
+  sum_up(energy, domain.capacity(), capacity_weight);
+}
+
+void sum_up(Energy& energy, double capacity, double capacity_weight) {
+  const std::vector<Moments>& cells = energy.diagram.cells;
+  energy.cvt =
+      parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) { return cells[k].second; });
+  energy.capacity_term = parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) {
+    return cells[k].capacity * cells[k].capacity;
+  });
+  energy.total = energy.cvt + capacity_weight * energy.capacity_term;
+  const auto count = static_cast<double>(energy.diagram.cells.size());
+  const double owned = capacity * owned_share(energy.diagram, capacity);
+  energy.normalized = count / owned * energy.total / owned - capacity_weight;
+  find_gradient(energy.diagram, capacity_weight, energy.gradient);
 }
 
 double owned_share(const RestrictedVoronoi& diagram, double capacity) {
@@ -82,6 +81,19 @@ double owned_share(const RestrictedVoronoi& diagram, double capacity) {
   const double owned =
       parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) { return cells[k].capacity; });
   return owned > 0.0 && owned < (1.0 - kWhole) * capacity ? owned / capacity : 1.0;
+}
+
+void check_finite_energy(double energy, const std::vector<Moments>& cells,
+                         std::span<const std::int32_t> members) {
+  if (std::isfinite(energy)) return;
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    if (!std::isfinite(cells[k].second))
+      throw SurfaceError(
+          "the cell of " +
+          entry("samples", members.empty() ? k : static_cast<std::size_t>(members[k])) +
+          " reaches so far that squares of distances in it are not finite: vertices "
+          "are too far apart");
+  throw SurfaceError("vertices are so far apart that the energy is not finite");
 }
 
 }  // namespace dapple

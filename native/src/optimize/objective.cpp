@@ -7,8 +7,7 @@
 
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
-#include "optimize/finite_energy.hpp"
-#include "optimize/owned_share.hpp"
+#include "optimize/energy.hpp"
 #include "voronoi/local_spacing.hpp"
 
 namespace dapple {
@@ -19,8 +18,7 @@ constexpr double kMostRoom = 0.5;  // share of other sites' capacity that large 
 
 /// kappa (|S|_phi / n)^2
 double repulsion_weight(const Term& term, std::size_t count) {
-  const double share =
-      term.domain->capacity() / static_cast<double>(std::max<std::size_t>(count, 1));
+  const double share = term.capacity(count) / static_cast<double>(std::max<std::size_t>(count, 1));
   return term.repulsion_weight * share * share;
 }
 
@@ -43,7 +41,7 @@ void add_wanted(const Objective& objective, std::size_t term, const Part& part, 
   if (of.wanted.empty()) return;
   const RestrictedVoronoi& diagram = part.energy.diagram;
   const double weight = objective.scale(term, diagram.cells.size()) * objective.capacity_weight;
-  const double capacity = of.domain->capacity();
+  const double capacity = of.capacity(diagram.cells.size());
   double sum = capacity * capacity / static_cast<double>(diagram.cells.size());
   for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
     sum += of.wanted[i] * (of.wanted[i] - 2.0 * diagram.cells[i].capacity);
@@ -132,7 +130,7 @@ double Objective::total_weight() const {
 }
 
 double Objective::scale(std::size_t term, std::size_t sites) const {
-  const double capacity = terms[term].domain->capacity();
+  const double capacity = terms[term].capacity(sites);
   return terms[term].weight * static_cast<double>(sites) / capacity / capacity;
 }
 
@@ -178,8 +176,10 @@ void update(Evaluation& state, const Objective& objective, Sites sites, Context*
     Part& part = state.parts[t];
     Stretch evaluating(context, t, objective.terms.size());
     if (!term.members.empty()) select(state.sites, term.members, part.sites);
-    update_energy(part.energy, *term.domain, term.members.empty() ? state.sites : part.sites,
-                  objective.capacity_weight, evaluating.context());
+    const Sites& mine = term.members.empty() ? state.sites : part.sites;
+    in_stage(evaluating.context(), Stage::kCells,
+             [&] { term.domain->update_cells(part.energy.diagram, mine, evaluating.context()); });
+    sum_up(part.energy, term.capacity(mine.size()), objective.capacity_weight);
   }
   state.discs = {};
   if (!objective.discs.empty())
@@ -209,7 +209,7 @@ double local_spacing(const Objective& objective, const Evaluation& state, std::s
                      std::size_t k) {
   const std::vector<Moments>& cells = state.parts[term].energy.diagram.cells;
   return local_spacing(
-      cells[k], objective.terms[term].domain->capacity() / static_cast<double>(cells.size()));
+      cells[k], objective.terms[term].capacity(cells.size()) / static_cast<double>(cells.size()));
 }
 
 void shrink_radii(Objective& objective, Evaluation& state) {
@@ -240,7 +240,8 @@ std::vector<double> energy_shares(const Objective& objective, const Evaluation& 
       return static_cast<std::size_t>(members.empty() ? k : members[static_cast<std::size_t>(k)]);
     };
     const double scale = objective.scale(t, cells.size());
-    const double mean = objective.terms[t].domain->capacity() / static_cast<double>(cells.size());
+    const double mean =
+        objective.terms[t].capacity(cells.size()) / static_cast<double>(cells.size());
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const std::vector<double>& wanted = objective.terms[t].wanted;
       const double excess = cells[k].capacity - (wanted.empty() ? mean : wanted[k]);
@@ -273,7 +274,8 @@ double normalized_cvt(const Objective& objective, const Evaluation& state) {
 }
 
 double owned_share(const Objective& objective, const Evaluation& state, std::size_t term) {
-  return owned_share(state.parts[term].energy.diagram, objective.terms[term].domain->capacity());
+  const RestrictedVoronoi& diagram = state.parts[term].energy.diagram;
+  return owned_share(diagram, objective.terms[term].capacity(diagram.cells.size()));
 }
 
 double capacity_variation(const Objective& objective, const Evaluation& state) {
@@ -299,7 +301,7 @@ void give_room(Objective& objective, Evaluation& state) {
   if (objective.discs.empty()) return;
   const double least = *std::min_element(objective.discs.begin(), objective.discs.end());
   const std::vector<Moments>& cells = state.diagram().cells;
-  const double mean = objective.domain().capacity() / static_cast<double>(cells.size());
+  const double mean = objective.terms[0].capacity(cells.size()) / static_cast<double>(cells.size());
   std::vector<double> wanted(cells.size(), mean);
   double more = 0.0, others = 0.0;
   for (std::size_t k = 0; k < cells.size(); ++k) {

@@ -16,6 +16,13 @@ struct Term {
   double repulsion_weight = 0.0;    ///< kappa
   std::vector<double> radii = {};   ///< of each member's repulsion; empty: nothing repels yet
   std::vector<double> wanted = {};  ///< target capacity of each member's cell; empty: equal for all
+  double site_capacity = 0.0;       ///< of a cell on average, where the domain is a part of a
+                                    ///< surface and cells are cut off at its rim; 0: its own share
+
+  /// The capacity of all cells, if there are so many sites.
+  [[nodiscard]] double capacity(std::size_t sites) const {
+    return site_capacity > 0.0 ? site_capacity * static_cast<double>(sites) : domain->capacity();
+  }
 };
 
 /// The minimized function: sum over the terms of weight * n / |S|_phi^2 * (E + E_rep), each over
@@ -112,7 +119,7 @@ void shrink_radii(Objective& objective, Evaluation& state);
 /// The terms' normalized energies e = n E / |S|_phi^2 - lambda, averaged by their weights.
 [[nodiscard]] double normalized_energy(const Objective& objective, const Evaluation& state);
 
-/// See owned_share.hpp; of the cells of a term.
+/// See energy.hpp; of the cells of a term.
 [[nodiscard]] double owned_share(const Objective& objective, const Evaluation& state,
                                  std::size_t term);
 

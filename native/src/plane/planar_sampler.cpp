@@ -3,7 +3,7 @@
 
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
-#include "sample/sampled.hpp"
+#include "sample/solve_classes.hpp"
 
 namespace dapple {
 namespace {

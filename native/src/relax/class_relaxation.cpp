@@ -248,15 +248,14 @@ void ClassRelaxation::relax_together(std::span<const std::size_t> group, Context
   }
   if (faces.empty()) return;
   std::vector<Region> regions;
-  std::vector<std::unique_ptr<const SurfaceDomain>> domains;
   for (const std::size_t c : group) regions.push_back(region_on(classes_[c], faces, context));
   std::vector<FreeClass> free_classes;
   const Participants participants = participants_of(group);
   for (std::size_t k = 0; k < group.size(); ++k) {
-    const auto& domain = domains.emplace_back(std::make_unique<const SurfaceDomain>(
-        regions[k].part.surface(), Cells::kConnected, /*sides=*/nullptr, EmptyFaces::kLeft));
+    const auto domain = std::make_shared<const SurfaceDomain>(
+        regions[k].part.surface(), Cells::kConnected, /*sides=*/nullptr, EmptyFaces::kLeft);
     free_classes.push_back(
-        {&regions[k], domain.get(), domain->density_unit() / participants.relaxed[k].weight});
+        {&regions[k], domain, domain->density_unit() / participants.relaxed[k].weight});
   }
   const Minimum found = minimize_free(free_classes, participants, options_.optimizer, context);
   store(group, regions, found);

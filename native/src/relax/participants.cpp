@@ -5,7 +5,6 @@
 
 #include "optimize/discs.hpp"
 #include "rebalance/lead_to_density.hpp"
-#include "relax/part_domain.hpp"
 #include "sample/solve_classes.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -69,10 +68,10 @@ Gathered gather(std::span<const FreeClass> free_classes, const Participants& par
   std::vector<ClassProblem::Member>& classes = result.problem.classes;
   for (std::size_t c = 0; c < free_classes.size(); ++c) {
     const Region& region = *free_classes[c].region;
-    const std::size_t count = region.members.size();
-    classes.push_back(
-        {std::make_shared<const PartDomain>(*free_classes[c].domain, free_classes[c].share, count),
-         count, participants.relaxed[c].radius});
+    classes.push_back({.domain = free_classes[c].domain,
+                       .count = region.members.size(),
+                       .radius = participants.relaxed[c].radius,
+                       .site_capacity = free_classes[c].share});
     Sites own = region.sites;
     const std::vector<bool> fixed = region.fixed();
     lead_to_density(region.part.surface(), *free_classes[c].domain, own, fixed);
@@ -111,12 +110,13 @@ Minimum minimize_free(std::span<const FreeClass> free_classes, const Participant
   Gathered gathered = gather(free_classes, participants);
   ClassProblem& problem = gathered.problem;
   const UnionPart union_part = union_on(free_classes[0].region->part, participants);
-  const SurfaceDomain cells(union_part.surface, Cells::kConnected,
-                            /*sides=*/nullptr, EmptyFaces::kLeft);
   problem.all = problem.classes[0].domain;
-  if (gathered.start.size() > problem.classes[0].count)
-    problem.all = std::make_shared<const PartDomain>(cells, union_part.share * cells.density_unit(),
-                                                     gathered.start.size());
+  problem.site_capacity = problem.classes[0].site_capacity;
+  if (gathered.start.size() > problem.classes[0].count) {
+    problem.all = std::make_shared<const SurfaceDomain>(union_part.surface, Cells::kConnected,
+                                                        /*sides=*/nullptr, EmptyFaces::kLeft);
+    problem.site_capacity = union_part.share * problem.all->density_unit();
+  }
   Objective objective =
       make_objective(problem, class_of_sites(problem),
                      {.union_weight = participants.union_weight, .sample = {.optimizer = options}},

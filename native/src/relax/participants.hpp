@@ -27,8 +27,8 @@ struct Participants {
 /// A class whose sites move; all such classes have regions of the same faces.
 struct FreeClass {
   const Region* region;
-  const SurfaceDomain* domain;  ///< of the region's part
-  double share;                 ///< wanted capacity per site, in the unit of the domain's integrals
+  std::shared_ptr<const SurfaceDomain> domain;  ///< of the region's part
+  double share;  ///< wanted capacity per site, in the unit of the domain's integrals
 };
 
 /// Whether discs of sites in the region overlap, including those of other classes.

@@ -10,12 +10,11 @@
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
-#include "optimize/owned_share.hpp"
+#include "optimize/energy.hpp"
 #include "rebalance/among_locked.hpp"
 #include "rebalance/lead_to_density.hpp"
 #include "rebalance/rebalance.hpp"
 #include "rebalance/widest_gaps.hpp"
-#include "relax/part_domain.hpp"
 #include "sample/outcome.hpp"
 #include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
@@ -425,29 +424,29 @@ void Relaxation::add(const Sites& fresh, Region& region) {
 /// Minimize over the free sites of a region.
 /// \return the sites at its border whose cells are uneven afterward
 Relaxation::Indices Relaxation::even_out(const Region& region, Context* context) {
-  const SurfaceDomain domain(region.part.surface(), Cells::kConnected,
-                             /*sides=*/nullptr, EmptyFaces::kLeft);
+  const auto domain = std::make_shared<const SurfaceDomain>(
+      region.part.surface(), Cells::kConnected, /*sides=*/nullptr, EmptyFaces::kLeft);
   const Minimum found = minimum(region, domain, context);
   store(region, found.state.sites);
   note(region, found);
   return uneven(region, own_energy(found).diagram);
 }
 
-Minimum Relaxation::minimum(const Region& region, const SurfaceDomain& domain,
+Minimum Relaxation::minimum(const Region& region, std::shared_ptr<const SurfaceDomain> domain,
                             Context* context) const {
   const OptimizerOptions& optimizer = options_.optimizer;
   if (others_) {
-    const FreeClass own{&region, &domain, share_};
+    const FreeClass own{&region, std::move(domain), share_};
     return minimize_free({&own, 1}, *others_, optimizer, context);
   }
-  const PartDomain share(domain, share_, region.members.size());
   const Objective objective{.capacity_weight = optimizer.capacity_weight,
-                            .terms = {{.domain = &share,
+                            .terms = {{.domain = domain.get(),
                                        .repulsion_radius = optimizer.repulsion_radius,
-                                       .repulsion_weight = optimizer.repulsion_weight}},
+                                       .repulsion_weight = optimizer.repulsion_weight,
+                                       .site_capacity = share_}},
                             .locked = region.fixed()};
   Sites start = region.sites;
-  dapple::lead_to_density(region.part.surface(), domain, start, objective.locked);
+  dapple::lead_to_density(region.part.surface(), *domain, start, objective.locked);
   return minimize(objective, start, optimizer, context);
 }
 

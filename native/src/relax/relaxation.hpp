@@ -72,7 +72,7 @@ class Relaxation {
   void store(const Region& region, const Sites& found);
   [[nodiscard]] Indices uneven(const Region& region, const RestrictedVoronoi& diagram) const;
   [[nodiscard]] Indices grow_at(const Indices& uneven, Context* context);
-  [[nodiscard]] Minimum minimum(const Region& region, const SurfaceDomain& domain,
+  [[nodiscard]] Minimum minimum(const Region& region, std::shared_ptr<const SurfaceDomain> domain,
                                 Context* context) const;
   void measure_all(const Region& region, const Minimum& found);
   void note(const Region& region, const Minimum& found);

@@ -132,7 +132,8 @@ Objective make_objective(const ClassProblem& problem, std::vector<std::int32_t> 
   objective.locked = std::move(locked);
   objective.terms.push_back({.domain = problem.all.get(),
                              .repulsion_radius = optimizer.repulsion_radius,
-                             .repulsion_weight = optimizer.repulsion_weight});
+                             .repulsion_weight = optimizer.repulsion_weight,
+                             .site_capacity = problem.site_capacity});
   for (const ClassProblem::Member& member : problem.classes)
     objective.homes.push_back(member.domain.get());
   if (any_radius(problem)) {
@@ -146,7 +147,8 @@ Objective make_objective(const ClassProblem& problem, std::vector<std::int32_t> 
     objective.terms.push_back({.domain = problem.classes[c].domain.get(),
                                .members = std::move(members),
                                .repulsion_radius = optimizer.repulsion_radius,
-                               .repulsion_weight = optimizer.repulsion_weight});
+                               .repulsion_weight = optimizer.repulsion_weight,
+                               .site_capacity = problem.classes[c].site_capacity});
   }
   if (objective.terms.size() > 1) {
     objective.terms[0].weight =

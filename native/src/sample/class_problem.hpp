@@ -16,9 +16,11 @@ struct ClassProblem {
     std::size_t count;
     double radius = 0.0;
     Sites locked = {};
+    double site_capacity = 0.0;  ///< see Term
   };
   std::shared_ptr<const Domain> all;  ///< with the density of the union
   std::vector<Member> classes;
+  double site_capacity = 0.0;  ///< of the union; see Term
 };
 
 [[nodiscard]] bool any_radius(const ClassProblem& problem);

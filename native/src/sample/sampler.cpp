@@ -2,7 +2,7 @@
 #include <dapple/sampler.hpp>
 
 #include "sample/outcome.hpp"
-#include "sample/sampled.hpp"
+#include "sample/solve_classes.hpp"
 #include "sample/surface_classes.hpp"
 
 namespace dapple {
