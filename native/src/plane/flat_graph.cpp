@@ -31,9 +31,9 @@ SiteGraph to_graph(const FlatSites& sites, std::size_t count, const MakeCells& c
     FlatCells mine = cells();
     std::vector<Link>& links = found[begin / kGrain];
     for (std::size_t k = begin; k < end; ++k) {
-      mine.turn_to(k);
+      mine.turn_to(static_cast<std::int32_t>(k));
       links.insert(links.end(), mine.links().begin(), mine.links().end());
-      graph.starts[static_cast<std::size_t>(sites.site(k)) + 1] = mine.links().size();
+      graph.starts[sites.site_at(k) + 1] = mine.links().size();
     }
   });
   for (const FlatSites::Twin& twin : sites.twins())
@@ -42,7 +42,7 @@ SiteGraph to_graph(const FlatSites& sites, std::size_t count, const MakeCells& c
   parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     const Link* next = found[begin / kGrain].data();
     for (std::size_t k = begin; k < end; ++k) {
-      const auto row = graph.starts.begin() + sites.site(k);
+      const auto row = graph.starts.begin() + static_cast<std::ptrdiff_t>(sites.site_at(k));
       std::copy_n(next, row[1] - row[0], graph.links.begin() + static_cast<std::ptrdiff_t>(row[0]));
       next += row[1] - row[0];
     }

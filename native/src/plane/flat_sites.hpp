@@ -6,11 +6,9 @@
 namespace dapple {
 
 /// The distinct places of sites in the plane or the torus, in the order of a Morton curve, with
-/// searches for near ones. On the torus every site counts nine times: in the unit square and in the
-/// eight squares around it.
+/// searches for near ones. On the torus every place has nine images, in the unit square and in the
+/// eight squares around it; those in the square have the lowest numbers.
 class FlatSites {
-  static constexpr double kShifted = 1.0 + 1e-9;
-
  public:
   /// A site that coincides with an earlier one.
   struct Twin {
@@ -25,45 +23,100 @@ class FlatSites {
   /// Of places.
   [[nodiscard]] std::size_t size() const { return places_.size(); }
   [[nodiscard]] bool periodic() const { return periodic_; }
-  [[nodiscard]] const Vec3& place(std::size_t k) const { return places_[k]; }
   /// The first of the caller's sites at a place.
-  [[nodiscard]] std::int32_t site(std::size_t k) const { return sites_[k]; }
+  [[nodiscard]] std::size_t site_at(std::size_t place) const {
+    return static_cast<std::size_t>(sites_[place]);
+  }
   /// All sites that are not the first at their place.
   [[nodiscard]] std::span<const Twin> twins() const { return twins_; }
 
-  /// The box of a few places that contains this one; equal numbers stand for the same box.
-  [[nodiscard]] std::size_t neighborhood(std::size_t k) const { return k / SiteBoxes::kFan; }
-  [[nodiscard]] Box box_around(std::size_t k) const { return boxes_.leaf_of(k); }
+  /// Of an image.
+  [[nodiscard]] Vec3 position(std::int32_t image) const {
+    return periodic_ ? places_[place(image)] + shift(image / count()) : places_[place(image)];
+  }
+  [[nodiscard]] std::int32_t site(std::int32_t image) const { return sites_[place(image)]; }
+  /// Images sorted by it are in the order of their sites, and those of one site in the order of
+  /// their coordinates.
+  [[nodiscard]] std::int32_t original(std::int32_t image) const {
+    return periodic_ ? kImages * site(image) + rank(image / count()) : site(image);
+  }
 
-  /// Call visit(k, shift) for all places whose images, moved by the shift, are nearer to the box
-  /// than the root of `limit`, and perhaps for some slightly farther, because shifts are rounded.
+  // ---- what NearSites needs ----
+
+  [[nodiscard]] std::size_t population() const { return (periodic_ ? kImages : 1) * size(); }
+  [[nodiscard]] SiteBoxes::Neighborhood neighborhood(std::int32_t place) const {
+    return boxes_.neighborhood(static_cast<std::size_t>(place));
+  }
+  [[nodiscard]] SiteBoxes::Neighborhood block(const SiteBoxes::Neighborhood& part) const {
+    return boxes_.block(part);
+  }
+
+  /// Call visit(image) for all images nearer to the box than the root of `limit`, and perhaps for
+  /// some slightly farther, because shifts are rounded.
   template <typename Visit>
   void for_each_near(const Box& query, double limit, const Visit& visit) const {
-    for_each_shift([&](const Vec3& shift) {
-      boxes_.for_each_near({query.low - shift, query.high - shift}, kShifted * limit,
-                           [&](std::size_t k) { visit(k, shift); });
+    for_each_shift([&](std::int32_t k) {
+      boxes_.for_each_near(moved(query, k), kShifted * limit,
+                           [&](std::size_t place) { visit(image(place, k)); });
+    });
+  }
+  /// The same in groups of places that are known to be near.
+  template <typename Visit>
+  void for_each_near(std::span<const std::size_t> groups, const Box& query, double limit,
+                     const Visit& visit) const {
+    for (const std::size_t group : groups) {
+      const auto k = static_cast<std::int32_t>(group / size());
+      boxes_.visit_group(group % size(), moved(query, k), kShifted * limit,
+                         [&](std::size_t place) { visit(image(place, k)); });
+    }
+  }
+  template <typename Visit>
+  void for_each_group_near(const Box& query, double limit, const Visit& visit) const {
+    for_each_shift([&](std::int32_t k) {
+      boxes_.for_each_group_near(moved(query, k), kShifted * limit, [&](std::size_t group) {
+        visit(static_cast<std::size_t>(k) * size() + group);
+      });
     });
   }
 
-  /// The same, near boxes first, for a limit that decreases during the search.
+  /// Call visit(image) for at least all images nearer than the root of `limit`, which visit() may
+  /// lower, near ones first.
   template <typename Visit>
   void for_each_nearest(const Vec3& point, const double& limit, const Visit& visit) const {
-    for_each_shift([&](const Vec3& shift) {
-      const Vec3 moved = point - shift;
-      boxes_.for_each_nearest({moved, moved}, limit, [&](std::size_t k) { visit(k, shift); });
+    for_each_shift([&](std::int32_t k) {
+      boxes_.for_each_nearest(moved({point, point}, k), limit,
+                              [&](std::size_t place) { visit(image(place, k)); });
     });
   }
 
  private:
+  static constexpr double kShifted = 1.0 + 1e-9;
+  static constexpr std::int32_t kImages = 9;
+
+  [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(places_.size()); }
+  [[nodiscard]] std::size_t place(std::int32_t image) const {
+    return static_cast<std::size_t>(periodic_ ? image % count() : image);
+  }
+  [[nodiscard]] std::int32_t image(std::size_t place, std::int32_t shift) const {
+    return shift * count() + static_cast<std::int32_t>(place);
+  }
+  /// The place of a square in the order of the coordinates. The middle square comes first, because
+  /// near sites lower the limit.
+  [[nodiscard]] static std::int32_t rank(std::int32_t shift) {
+    constexpr std::array<std::int32_t, kImages> kRanks = {4, 0, 3, 6, 1, 7, 2, 5, 8};
+    return kRanks[static_cast<std::size_t>(shift)];
+  }
   /// The eight squares around suffice, because a site's own images keep its cell within half a
-  /// period. The middle square comes first, because near sites lower the limit.
+  /// period.
+  [[nodiscard]] static Vec3 shift(std::int32_t k) {
+    return {static_cast<double>(rank(k) / 3 - 1), static_cast<double>(rank(k) % 3 - 1), 0.0};
+  }
+  [[nodiscard]] static Box moved(const Box& query, std::int32_t k) {
+    return {query.low - shift(k), query.high - shift(k)};
+  }
   template <typename Use>
   void for_each_shift(const Use& use) const {
-    use(Vec3::Zero());
-    if (!periodic_) return;
-    for (const double y : {-1.0, 0.0, 1.0})
-      for (const double x : {-1.0, 0.0, 1.0})
-        if (x != 0.0 || y != 0.0) use(Vec3(x, y, 0.0));
+    for (std::int32_t k = 0; k < (periodic_ ? kImages : 1); ++k) use(k);
   }
 
   bool periodic_;

@@ -25,7 +25,7 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 Rings::Rings(const Surface& surface, const Sites& sites)
     : surface_(surface),
       sites_(surface, sites),
-      index_(sites_, nullptr),
+      index_(sites_),
       ordered_(sites.size()),
       floods_([this] { return CellFlood(surface_, sites_, index_); }) {
   for (std::size_t k = 0; k < ordered_.size(); ++k)

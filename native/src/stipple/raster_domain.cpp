@@ -94,10 +94,10 @@ struct Chunk {
     for (std::size_t k = begin; k < end; ++k) {
       {
         const Laps::Lap lap(laps);
-        cells.turn_to(k);
+        cells.turn_to(static_cast<std::int32_t>(k));
       }
-      const auto site = static_cast<std::size_t>(sites.site(k));
-      const Vec2 x = flat(sites.place(k));
+      const std::size_t site = sites.site_at(k);
+      const Vec2 x = flat(sites.position(static_cast<std::int32_t>(k)));
       shape_cell(size, x, cells.links(), cell);
       integrals.reset(cell, x);
       result.cells[site] = integrals.moments();
@@ -120,7 +120,7 @@ void join_boundaries(const FlatSites& sites, const std::vector<Chunk>& chunks,
   parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     auto next = chunks[begin / kGrain].boundaries.begin();
     for (std::size_t k = begin; k < end; ++k) {
-      const RestrictedVoronoi::Row& row = result.rows[static_cast<std::size_t>(sites.site(k))];
+      const RestrictedVoronoi::Row& row = result.rows[sites.site_at(k)];
       const auto to = result.boundaries.begin() + static_cast<std::ptrdiff_t>(row.first);
       std::copy_n(next, row.count, to);
       next += static_cast<std::ptrdiff_t>(row.count);
@@ -215,8 +215,8 @@ std::vector<bool> RasterDomain::on_border(const Sites& sites, const RestrictedVo
   parallel_chunks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     FlatCells cells(places, {Vec2::Zero(), size_});
     for (std::size_t k = begin; k < end; ++k) {
-      cells.turn_to(k);
-      found[static_cast<std::size_t>(places.site(k))] = cells.at_frame() ? 1 : 0;
+      cells.turn_to(static_cast<std::int32_t>(k));
+      found[places.site_at(k)] = cells.at_frame() ? 1 : 0;
     }
   });
   return {found.begin(), found.end()};

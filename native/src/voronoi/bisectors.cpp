@@ -12,20 +12,25 @@ namespace {
 constexpr std::size_t kFewRivals = 12;  // sites that are sorted first: enough for most faces
 // Cells whose faces are all near the site have fewer bisectors; beyond this number, sites are
 // searched for at each face.
-constexpr std::size_t kMany = NearSites::kMost;
+constexpr std::size_t kMany = NearSites<SiteIndex>::kMost;
 // Rounding error of a squared distance, so that a face that lies in a bisector is found from both
 // sites.
 constexpr double kTie = 1e-13;
 
 }  // namespace
 
-Bisectors::Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index)
-    : surface_(&surface), sites_(&sites), index_(&index), near_(surface, sites, index) {}
+Bisectors::Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index,
+                     const OrderedLinks* links)
+    : surface_(&surface),
+      sites_(&sites),
+      index_(&index),
+      links_(links),
+      near_(index, surface.spacing(sites.size())) {}
 
 void Bisectors::reset(std::int32_t site, Rivals rivals) {
   const Laps::Lap lap(laps_);
   begin(site, rivals);
-  if (index_->has_graph()) return take_links();
+  if (links_ && links_->known()) return take_links();
   owner_ = index_->leader(site);
   near_.turn_to(site);
   take_near();
@@ -134,8 +139,8 @@ std::int32_t Bisectors::first_at_place_of(std::int32_t site) const {
 
 void Bisectors::take_links() {
   bisectors_.clear();
-  for (const auto& [original, d] : index_->links(site_)) {
-    const std::int32_t site = index_->ordered(original);
+  for (const auto& [original, d] : links_->of(site_)) {
+    const std::int32_t site = links_->ordered(original);
     bisectors_.push_back({d, 0.5 * d.squaredNorm(), d.squaredNorm(), site});
     if (d.squaredNorm() == 0.0 && original < sites_->original(owner_)) owner_ = site;
   }

@@ -6,6 +6,7 @@
 #include "base/laps.hpp"
 #include "voronoi/half_spaces.hpp"
 #include "voronoi/near_sites.hpp"
+#include "voronoi/ordered_links.hpp"
 
 namespace dapple {
 
@@ -30,10 +31,12 @@ enum class Rivals {
 class Bisectors {
  public:
   /// The arguments must outlive the bisectors.
-  Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
+  /// \param links the sites whose bisectors bound cells, where these are known
+  Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index,
+            const OrderedLinks* links = nullptr);
 
   /// Call after the sites have changed.
-  void restart() { near_.restart(); }
+  void restart() { near_.restart(surface_->spacing(sites_->size())); }
 
   /// Start a site.
   void reset(std::int32_t site, Rivals rivals = Rivals::kAll);
@@ -102,6 +105,7 @@ class Bisectors {
   const Surface* surface_;
   const OrderedSites* sites_;
   const SiteIndex* index_;
+  const OrderedLinks* links_;
   std::int32_t site_ = 0;
   std::int32_t owner_ = 0;
   std::size_t settled_ = 0;
@@ -112,7 +116,7 @@ class Bisectors {
   std::size_t next_rival_ = 0;
   std::vector<Bisector> bisectors_;
   HalfSpaces half_spaces_;  // of those that are settled
-  NearSites near_;
+  NearSites<SiteIndex> near_;
   double most_needed_ = 0.0;  // beyond it bisectors are found in another way
   Laps laps_;
 };

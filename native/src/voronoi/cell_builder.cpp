@@ -129,7 +129,7 @@ void CellBuilder::place_sites(const Sites& sites) {
   }
   lists.forget();  // they do not hold for another order, even if this is interrupted
   sites_.assign(surface_, sites);
-  index_.update(nullptr);
+  index_.update();
   lists.make(connected_);
 }
 
@@ -192,9 +192,11 @@ void CellBuilder::start(const Sites& sites, const SiteGraph* graph) {
   const StageSpan finding(context_, Stage::kNeighbors);
   if (march_) march_->lists().forget();  // they refer to the last order of sites
   sites_.assign(surface_, sites);
-  index_.update(graph);
+  links_.assign(sites_, graph);
+  if (!graph) index_.update();
   for (Worker& worker : workers_) worker.flood.restart(gaps_);
-  const std::span<const std::int32_t> order = index_.by_neighborhood();
+  const std::span<const std::int32_t> order =
+      graph ? std::span<const std::int32_t>() : index_.by_neighborhood();
   all_.resize(count());
   std::iota(all_.begin(), all_.end(), 0);
   std::copy(order.begin(), order.end(), all_.begin());
@@ -418,7 +420,7 @@ void CellBuilder::index_owners() {
 
 /// If the face is far from the site, most sites near the site are irrelevant.
 bool CellBuilder::reset_far(CellFlood& flood, std::int32_t site) const {
-  return index_.has_graph() ? flood.reset(site) : flood.reset_far(site);
+  return links_.known() ? flood.reset(site) : flood.reset_far(site);
 }
 
 /// The search starts with the site nearest to the face's centroid; each site across an edge of a
@@ -448,8 +450,9 @@ std::vector<Share> CellBuilder::nearest_owners(OrderedFace face) {
 
 std::int32_t CellBuilder::nearest_to(OrderedFace face) const {
   const auto near = std::lower_bound(sites_.faces.begin(), sites_.faces.end() - 1, face);
-  return index_.nearest(surface_.ordered().geometry(face).centroid,
-                        static_cast<std::int32_t>(near - sites_.faces.begin()));
+  const auto from = static_cast<std::int32_t>(near - sites_.faces.begin());
+  const Vec3& centroid = surface_.ordered().geometry(face).centroid;
+  return links_.known() ? links_.nearest(centroid, from) : index_.nearest(centroid, from);
 }
 
 void CellBuilder::collect(std::int32_t site, std::vector<CellPolygon>& out) {

@@ -10,7 +10,6 @@
 #include "voronoi/cell_integrals.hpp"
 #include "voronoi/face_march.hpp"
 #include "voronoi/shared_faces.hpp"
-#include "voronoi/site_graph.hpp"
 
 namespace dapple {
 
@@ -46,7 +45,7 @@ class CellBuilder {
   /// The working memory of one thread.
   struct Worker {
     explicit Worker(const CellBuilder& builder)
-        : flood(builder.surface_, builder.sites_, builder.index_),
+        : flood(builder.surface_, builder.sites_, builder.index_, &builder.links_),
           integrals(builder.surface_, flood) {
       flood.restart(builder.gaps_);
     }
@@ -119,6 +118,7 @@ class CellBuilder {
   const Surface& surface_;
   OrderedSites sites_;
   SiteIndex index_;
+  OrderedLinks links_;
   bool whole_ = false;      // no cell can have parts that are not connected to its site
   bool connected_ = false;  // cells follow the surface
   bool gaps_ = false;       // far faces without density belong to no cell

@@ -22,10 +22,11 @@ Vec3 vector(const Triple& x) { return {x.x, x.y, x.z}; }
 
 }  // namespace
 
-CellFlood::CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index)
+CellFlood::CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index,
+                     const OrderedLinks* links)
     : surface_(&surface),
       sites_(&sites),
-      bisectors_(surface, sites, index),
+      bisectors_(surface, sites, index, links),
       stamps_(surface.face_count(), 0) {}
 
 void CellFlood::restart(bool gaps) {

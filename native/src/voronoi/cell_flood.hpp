@@ -11,7 +11,8 @@ namespace dapple {
 class CellFlood {
  public:
   /// The arguments must outlive the flood.
-  CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
+  CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index,
+            const OrderedLinks* links = nullptr);
 
   /// Call after the sites have changed.
   /// \param gaps whether floods may leave out faces without density far from their site
@@ -21,7 +22,7 @@ class CellFlood {
   /// owner(), or another one that this leads to.
   bool reset(std::int32_t site, Rivals rivals = Rivals::kAll);
 
-  /// The same for clipping faces far from it. Only without a graph of sites.
+  /// The same for clipping faces far from it. Only where links are not known.
   bool reset_far(std::int32_t site);
 
   /// Start a site that competes with `others` only.

@@ -62,7 +62,7 @@ NearLists::NearLists(const Surface& surface, const OrderedSites& sites, const Si
     : surface_(&surface),
       sites_(&sites),
       index_(&index),
-      searches_([this] { return NearSites(*surface_, *sites_, *index_); }) {}
+      searches_([this] { return NearSites(*index_, surface_->spacing(sites_->size())); }) {}
 
 void NearLists::List::put(std::size_t k, const Triple& place, std::int32_t site) {
   Eight& block = places[k / kBlock];
@@ -96,10 +96,11 @@ void NearLists::make(bool by_component) {
   leaders_.resize(count);
   complete_.resize(count);
   made_at_.assign(sites_->positions.begin(), sites_->positions.end());
-  for (NearSites& search : searches_) search.restart();
+  const double spacing = surface_->spacing(count);
+  for (NearSites<SiteIndex>& search : searches_) search.restart(spacing);
   const std::span<const std::int32_t> order = index_->by_neighborhood();
   parallel_chunks(count, kListGrain, [&](std::size_t begin, std::size_t end) {
-    NearSites& near = searches_.local();
+    NearSites<SiteIndex>& near = searches_.local();
     for (std::size_t k = begin; k < end; ++k) {
       const std::int32_t site = order.empty() ? static_cast<std::int32_t>(k) : order[k];
       fill(lists_[as_index(site)], site, near);
@@ -111,7 +112,7 @@ void NearLists::make(bool by_component) {
   made_ = true;
 }
 
-void NearLists::fill(List& list, std::int32_t site, NearSites& near) {
+void NearLists::fill(List& list, std::int32_t site, NearSites<SiteIndex>& near) {
   near.turn_to(site);
   while (near.within_reach() < kFewNear && !near.is_complete()) near.extend();
   const std::span<const Rival> all = near.all();

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "voronoi/near_sites.hpp"
+#include "voronoi/site_index.hpp"
 
 namespace dapple {
 
@@ -104,7 +105,7 @@ class NearLists {
     void measure(const Triple& from);
   };
 
-  void fill(List& list, std::int32_t site, NearSites& near);
+  void fill(List& list, std::int32_t site, NearSites<SiteIndex>& near);
   [[nodiscard]] double largest_move(const Sites& sites) const;
   [[nodiscard]] bool precedes(std::int32_t site, std::int32_t other) const {
     return sites_->original(site) < sites_->original(other);
@@ -127,7 +128,7 @@ class NearLists {
   std::vector<std::int32_t> site_on_;     // per component
   bool made_ = false, alone_ = false;     // whether there are lists; no two sites at one place
   bool were_moved_ = false;
-  tbb::enumerable_thread_specific<NearSites> searches_;
+  tbb::enumerable_thread_specific<NearSites<SiteIndex>> searches_;
 };
 
 template <typename Visit>

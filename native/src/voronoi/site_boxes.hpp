@@ -29,17 +29,26 @@ class SiteBoxes {
 
   [[nodiscard]] Box leaf_of(std::size_t point) const { return box(0, point / kFan); }
 
+  /// A box around a few points that are near each other. The same box, the same number.
+  struct Neighborhood {
+    std::size_t number;
+    Box box;
+  };
+  /// The one that a point is in.
+  [[nodiscard]] Neighborhood neighborhood(std::size_t point) const {
+    return {point / kFan, leaf_of(point)};
+  }
+  /// Eight neighborhoods that follow each other.
+  [[nodiscard]] Neighborhood block(const Neighborhood& part) const {
+    return {part.number / kFan, parent_of(part.number)};
+  }
+
   /// Call visit(point) for all points whose squared distance from `query` is below `limit`.
   template <typename Visit>
   void for_each_near(const Box& query, double limit, const Visit& visit) const {
     if (!points_.empty())
       descend(levels_.size() - 1, 0, query, limit,
               [&](std::size_t group) { visit_group(group, query, limit, visit); });
-  }
-
-  /// The surroundings of several queries: the eight leaves of a parent.
-  [[nodiscard]] Box parent_of(std::size_t leaf) const {
-    return levels_.size() > 1 ? box(1, leaf / kFan) : around_all();
   }
 
   /// Call visit(group) for the groups of eight leaves that may have points nearer than that.
@@ -73,6 +82,9 @@ class SiteBoxes {
 
   [[nodiscard]] Box box(std::size_t level, std::size_t k) const;
   [[nodiscard]] Box around(std::size_t level, std::size_t k) const;
+  [[nodiscard]] Box parent_of(std::size_t leaf) const {
+    return levels_.size() > 1 ? box(1, leaf / kFan) : around_all();
+  }
   [[nodiscard]] Box around_all() const { return around(1, 0); }
   void put_points(std::size_t leaf);
   void put(std::size_t level, std::size_t k, const Box& box);

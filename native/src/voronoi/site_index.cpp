@@ -67,24 +67,17 @@ void OrderedSites::order_by_face(std::size_t face_count) {
         static_cast<std::int32_t>(k);
 }
 
-void SiteIndex::update(const SiteGraph* graph) {
-  graph_ = graph;
+void SiteIndex::update() {
   leaders_.clear();
   kept_.clear();
   places_.clear();
-  if (!graph) {
-    leave_crowds_out();
-    const bool spread = are_spread();
-    if (!spread || !kept_.empty()) sort_in_space(!spread);
-    boxes_.assign(kept_.empty() ? sites_->positions : kept_positions_);
-    if (!kept_.empty() || !are_off_their_faces()) return;
-    sort_in_space(/*anew=*/true);
-    boxes_.assign(kept_positions_);
-    return;
-  }
-  ordered_.resize(sites_->size());
-  for (std::size_t k = 0; k < ordered_.size(); ++k)
-    ordered_[static_cast<std::size_t>(sites_->originals[k])] = static_cast<std::int32_t>(k);
+  leave_crowds_out();
+  const bool spread = are_spread();
+  if (!spread || !kept_.empty()) sort_in_space(!spread);
+  boxes_.assign(kept_.empty() ? sites_->positions : kept_positions_);
+  if (!kept_.empty() || !are_off_their_faces()) return;
+  sort_in_space(/*anew=*/true);
+  boxes_.assign(kept_positions_);
 }
 
 void SiteIndex::refit() {
@@ -161,14 +154,7 @@ void SiteIndex::find_crowds(std::size_t first, std::size_t last) {
   }
 }
 
-SiteIndex::Neighborhood SiteIndex::neighborhood(std::int32_t site) const {
-  const auto k = static_cast<std::size_t>(
-      places_.empty() ? site : places_[static_cast<std::size_t>(leader(site))]);
-  return {k / SiteBoxes::kFan, boxes_.leaf_of(k)};
-}
-
-std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
-  if (graph_) return walk(point, from);
+std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t otherwise) const {
   std::int32_t best = -1;
   double least = std::numeric_limits<double>::infinity();
   boxes_.for_each_nearest({point, point}, least, [&](std::size_t k) {
@@ -178,43 +164,7 @@ std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
     least = squared;
     best = site;
   });
-  return best >= 0 ? best : from;  // too far away: squared distances overflow
-}
-
-double SiteIndex::squared_distance_of_nearest(std::size_t count, const Vec3& point,
-                                              std::vector<double>& nearest) const {
-  nearest.clear();  // a heap
-  double farthest = std::numeric_limits<double>::infinity();
-  boxes_.for_each_nearest({point, point}, farthest, [&](std::size_t k) {
-    const double squared = squared_distance(point, site_in_boxes(k));
-    if (nearest.size() == count) {
-      if (!(squared < farthest)) return;
-      std::pop_heap(nearest.begin(), nearest.end());
-      nearest.pop_back();
-    }
-    nearest.push_back(squared);
-    std::push_heap(nearest.begin(), nearest.end());
-    if (nearest.size() == count) farthest = nearest.front();
-  });
-  return farthest;
-}
-
-// In a Delaunay triangulation every site but the nearest has a neighbor that is nearer.
-std::int32_t SiteIndex::walk(const Vec3& point, std::int32_t site) const {
-  double best = squared_distance(point, site);
-  for (bool moved = true; moved;) {
-    moved = false;
-    for (const SiteGraph::Link& link : links(site)) {
-      const std::int32_t j = ordered(link.site);
-      const double squared = squared_distance(point, j);
-      if (squared > best || (squared == best && link.site >= sites_->original(site))) continue;
-      best = squared;
-      site = j;
-      moved = true;
-      break;
-    }
-  }
-  return site;
+  return best >= 0 ? best : otherwise;
 }
 
 }  // namespace dapple

@@ -5,7 +5,6 @@
 
 #include "surface/ordered_face.hpp"
 #include "voronoi/site_boxes.hpp"
-#include "voronoi/site_graph.hpp"
 
 namespace dapple {
 
@@ -41,27 +40,24 @@ class OrderedSites {
   std::vector<std::int32_t> next_;    // per face: the place of its next site
 };
 
-/// Finds nearby sites: by boxes around them, or by a graph of the sites whose cells
-/// touch.
+/// Finds nearby sites by boxes around them.
 class SiteIndex {
  public:
-  /// Empty until update().
   /// \param sites must outlive the index
-  explicit SiteIndex(const OrderedSites& sites) : sites_(&sites) {}
-  SiteIndex(const OrderedSites& sites, const SiteGraph* graph) : SiteIndex(sites) { update(graph); }
+  explicit SiteIndex(const OrderedSites& sites) : sites_(&sites) { update(); }
 
   /// After the sites have changed; in the same memory.
-  /// \param graph of the caller's sites, or null; must outlive the index
-  void update(const SiteGraph* graph);
+  void update();
 
-  /// After the sites have moved a little; only without a graph and without crowds.
+  /// After the sites have moved a little; only without crowds.
   void refit();
 
+  [[nodiscard]] std::int32_t original(std::int32_t site) const { return sites_->original(site); }
+  [[nodiscard]] const Vec3& position(std::int32_t site) const { return sites_->position(site); }
   [[nodiscard]] bool has_crowds() const { return !leaders_.empty(); }
-  [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
-  /// Only without a graph, as what follows: call visit(site) for all sites whose squared distance
-  /// from a box is below `limit`. Of a crowd of sites at one place on one face only the first (in
-  /// the caller's order) is found.
+
+  /// Call visit(site) for all sites whose squared distance from a box is below `limit`. Of a crowd
+  /// of sites at one place on one face only the first (in the caller's order) is found.
   template <typename Visit>
   void for_each_near(const Box& query, double limit, const Visit& visit) const {
     boxes_.for_each_near(query, limit, [&](std::size_t k) { visit(site_in_boxes(k)); });
@@ -77,17 +73,12 @@ class SiteIndex {
   void for_each_group_near(const Box& query, double limit, const Visit& visit) const {
     boxes_.for_each_group_near(query, limit, visit);
   }
-  /// A box around a few sites, of which this is one, that are near each other. The same box, the
-  /// same number.
-  struct Neighborhood {
-    std::size_t number;
-    Box box;
-  };
-  /// Eight neighborhoods that follow each other.
-  [[nodiscard]] Neighborhood block(const Neighborhood& part) const {
-    return {part.number / SiteBoxes::kFan, boxes_.parent_of(part.number)};
+  [[nodiscard]] SiteBoxes::Neighborhood neighborhood(std::int32_t site) const {
+    return boxes_.neighborhood(as_index(places_.empty() ? site : places_[as_index(leader(site))]));
   }
-  [[nodiscard]] Neighborhood neighborhood(std::int32_t site) const;
+  [[nodiscard]] SiteBoxes::Neighborhood block(const SiteBoxes::Neighborhood& part) const {
+    return boxes_.block(part);
+  }
   /// All sites in an order in which those of one neighborhood follow each other, as far as there is
   /// one; empty if their own is such an order.
   [[nodiscard]] std::span<const std::int32_t> by_neighborhood() const {
@@ -101,21 +92,13 @@ class SiteIndex {
   [[nodiscard]] std::int32_t leader(std::int32_t site) const {
     return leaders_.empty() ? site : leaders_[static_cast<std::size_t>(site)];
   }
-  /// Only with a graph; the links name the caller's sites.
-  [[nodiscard]] std::span<const SiteGraph::Link> links(std::int32_t site) const {
-    return graph_->of(static_cast<std::size_t>(sites_->original(site)));
-  }
-  /// Only with a graph.
-  [[nodiscard]] std::int32_t ordered(std::int32_t original) const {
-    return ordered_[static_cast<std::size_t>(original)];
-  }
 
-  /// The site nearest to a point. `from` only affects the time and should be near.
-  [[nodiscard]] std::int32_t nearest(const Vec3& point, std::int32_t from) const;
+  /// The site nearest to a point; `otherwise` if all are so far that squared distances overflow.
+  [[nodiscard]] std::int32_t nearest(const Vec3& point, std::int32_t otherwise) const;
 
-  /// Only without a graph: the nearest site to a point among those for which `competes(site)`
-  /// holds; of several at the same distance the first in the caller's order. Only sites whose
-  /// squared distance is below `limit` count; -1 if there are none.
+  /// The nearest site to a point among those for which `competes(site)` holds; of several at the
+  /// same distance the first in the caller's order. Only sites whose squared distance is below
+  /// `limit` count; -1 if there are none.
   template <typename Competes>
   [[nodiscard]] std::int32_t nearest_of(const Vec3& point, double limit,
                                         const Competes& competes) const {
@@ -131,11 +114,12 @@ class SiteIndex {
     return best;
   }
 
-  /// Only without a graph: the squared distance within which a point has that many sites around it,
-  /// or all if there are fewer.
-  /// \param nearest memory for their squared distances
-  [[nodiscard]] double squared_distance_of_nearest(std::size_t count, const Vec3& point,
-                                                   std::vector<double>& nearest) const;
+  /// Call visit(site) for at least all sites whose squared distance from a point is below `limit`,
+  /// which visit() may lower, near ones first.
+  template <typename Visit>
+  void for_each_nearest(const Vec3& point, const double& limit, const Visit& visit) const {
+    boxes_.for_each_nearest({point, point}, limit, [&](std::size_t k) { visit(site_in_boxes(k)); });
+  }
 
  private:
   [[nodiscard]] std::int32_t site_in_boxes(std::size_t k) const {
@@ -149,20 +133,17 @@ class SiteIndex {
   [[nodiscard]] bool precedes(std::int32_t site, std::int32_t other) const {
     return sites_->original(site) < sites_->original(other);
   }
-  [[nodiscard]] std::int32_t walk(const Vec3& point, std::int32_t site) const;
   [[nodiscard]] double squared_distance(const Vec3& point, std::int32_t site) const {
     return (sites_->position(site) - point).squaredNorm();
   }
 
   const OrderedSites* sites_;
-  const SiteGraph* graph_ = nullptr;
-  SiteBoxes boxes_;  // without a graph
+  SiteBoxes boxes_;
   // Where there are crowds: a search would look at all of a crowd for each of its sites.
   std::vector<std::int32_t> leaders_;  // per site
   std::vector<std::int32_t> kept_;     // the sites in the boxes, in their order; empty: all
   std::vector<std::int32_t> places_;   // of sites in the boxes; empty: their own numbers
   std::vector<Vec3> kept_positions_;
-  std::vector<std::int32_t> ordered_;  // with a graph: caller's -> ordered
 };
 
 }  // namespace dapple

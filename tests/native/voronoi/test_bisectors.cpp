@@ -17,7 +17,7 @@ struct Known {
 };
 
 Known known_by_floods(const Surface& surface, const OrderedSites& sites) {
-  const SiteIndex index(sites, nullptr);
+  const SiteIndex index(sites);
   CellFlood flood(surface, sites, index);
   Known result;
   for (std::int32_t site = 0; site < static_cast<std::int32_t>(sites.size()); ++site) {
@@ -58,7 +58,7 @@ TEST(Bisectors, OfAFarFaceAreThoseOfItsOwners) {
         mapped(tetrahedron(), [&](const Vec3& x) { return Vec3(1e-3 * x + place); });
     const Surface surface = joined(icosphere(4), speck).surface();
     const OrderedSites sites(surface, poisson_start(icosphere(4).surface(), 2000, 1));
-    const SiteIndex index(sites, nullptr);
+    const SiteIndex index(sites);
     CellFlood flood(surface, sites, index);
     const OrderedFace face =
         surface.ordered().ordered_face(static_cast<std::int32_t>(surface.face_count() - 1));

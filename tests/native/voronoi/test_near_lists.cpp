@@ -17,7 +17,7 @@ class MovingLists {
   MovingLists(const Surface& surface, const Sites& sites)
       : surface_(surface),
         ordered_(surface, sites),
-        index_(ordered_, nullptr),
+        index_(ordered_),
         lists_(surface, ordered_, index_) {
     lists_.make(/*by_component=*/false);
   }
@@ -145,7 +145,7 @@ TEST(NearLists, NameTheFirstOfSitesAtOnePlace) {
   const Vec3 a = surface.point(3, Vec3(0.2, 0.3, 0.5)), b = surface.point(9, Vec3(0.2, 0.3, 0.5));
   const Sites sites{{b, a, a, b}, {9, 3, 3, 9}};
   const OrderedSites ordered(surface, sites);
-  const SiteIndex index(ordered, nullptr);
+  const SiteIndex index(ordered);
   NearLists lists(surface, ordered, index);
   lists.make(false);
   for (std::int32_t site = 0; site < 4; ++site)

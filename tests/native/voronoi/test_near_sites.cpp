@@ -5,6 +5,7 @@
 
 #include "shapes.hpp"
 #include "voronoi/near_sites.hpp"
+#include "voronoi/site_index.hpp"
 
 namespace dapple::test {
 namespace {
@@ -42,8 +43,8 @@ TEST(NearSites, AreInTheCallersOrderAtEqualDistances) {
     sites.positions.push_back(surface.point(f, Vec3(0.5, 0.25, 0.25)));
   }
   const OrderedSites ordered(surface, sites);
-  const SiteIndex index(ordered, nullptr);
-  NearSites near(surface, ordered, index);
+  const SiteIndex index(ordered);
+  NearSites near(index, surface.spacing(ordered.size()));
   for (std::int32_t site = 0; site < static_cast<std::int32_t>(ordered.size()); ++site) {
     near.turn_to(site);
     expect_nearest(near.all(), others(ordered, site));
@@ -53,8 +54,8 @@ TEST(NearSites, AreInTheCallersOrderAtEqualDistances) {
 TEST_P(NearSitesOn, AreTheNearestHoweverFarOneReaches) {
   const Surface surface = GetParam().surface();
   const OrderedSites sites(surface, poisson_start(surface, 500, 3));
-  const SiteIndex index(sites, nullptr);
-  NearSites near(surface, sites, index);
+  const SiteIndex index(sites);
+  NearSites near(index, surface.spacing(sites.size()));
   for (std::int32_t site = 0; site < 500; ++site) {
     const std::vector<Rival> all = others(sites, site);
     near.turn_to(site);
@@ -70,8 +71,8 @@ TEST_P(NearSitesOn, AreFewMoreThanNeeded) {
   constexpr std::size_t kNeeded = 20, kSites = 2000;
   const Surface surface = GetParam().surface();
   const OrderedSites sites(surface, poisson_start(surface, kSites, 3));
-  const SiteIndex index(sites, nullptr);
-  NearSites near(surface, sites, index);
+  const SiteIndex index(sites);
+  NearSites near(index, surface.spacing(sites.size()));
   std::size_t found = 0, extended = 0;
   for (std::int32_t site = 0; site < static_cast<std::int32_t>(kSites); ++site) {
     near.turn_to(site);
@@ -84,11 +85,11 @@ TEST_P(NearSitesOn, AreFewMoreThanNeeded) {
 }
 
 TEST_P(NearSitesOn, FindAllSitesEventually) {
-  constexpr std::size_t kSites = NearSites::kMost;
+  constexpr std::size_t kSites = NearSites<SiteIndex>::kMost;
   const Surface surface = GetParam().surface();
   const OrderedSites sites(surface, poisson_start(surface, kSites, 3));
-  const SiteIndex index(sites, nullptr);
-  NearSites near(surface, sites, index);
+  const SiteIndex index(sites);
+  NearSites near(index, surface.spacing(sites.size()));
   near.turn_to(25);
   std::size_t before = near.all().size();
   while (!near.is_complete()) {
@@ -125,8 +126,8 @@ Scattered with_far_specks() {
 /// An isolated site searches far; the sites after it do not.
 TEST(NearSites, DoNotInheritALargeReach) {
   const Scattered all = with_far_specks();
-  const SiteIndex index(all.sites, nullptr);
-  NearSites near(all.surface, all.sites, index);
+  const SiteIndex index(all.sites);
+  NearSites near(index, all.surface.spacing(all.sites.size()));
   std::size_t within = 0;
   for (std::int32_t site = 0; site < static_cast<std::int32_t>(all.sites.size()); ++site) {
     near.turn_to(site);
@@ -140,15 +141,15 @@ TEST(NearSites, DoNotInheritALargeReach) {
 /// An isolated site finds any number of neighbors in a few steps.
 TEST(NearSites, OfAnIsolatedSiteAreFoundInFewSteps) {
   const Scattered all = with_far_specks();
-  const SiteIndex index(all.sites, nullptr);
-  NearSites near(all.surface, all.sites, index);
+  const SiteIndex index(all.sites);
+  NearSites near(index, all.surface.spacing(all.sites.size()));
   for (std::int32_t site = 0; site < static_cast<std::int32_t>(all.sites.size()); ++site) {
     if (all.sites.position(site).norm() < 2.0) continue;
     near.turn_to(site);
     int steps = 0;
-    for (; near.all().size() < NearSites::kMost; ++steps) near.extend();
+    for (; near.all().size() < NearSites<SiteIndex>::kMost; ++steps) near.extend();
     EXPECT_LE(steps, 4);
-    EXPECT_LE(near.within_reach(), NearSites::kMost + 1);
+    EXPECT_LE(near.within_reach(), NearSites<SiteIndex>::kMost + 1);
     expect_nearest(near.all(), others(all.sites, site));
   }
 }

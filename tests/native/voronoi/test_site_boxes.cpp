@@ -56,7 +56,7 @@ TEST_P(SiteBoxesOf, FindTheSameInTheGroupsAroundAParent) {
     return found;
   };
   for (std::size_t point = 0; point < points.size(); point += SiteBoxes::kFan) {
-    const Box parent = boxes.parent_of(point / SiteBoxes::kFan);
+    const Box parent = boxes.block(boxes.neighborhood(point)).box;
     for (const double limit : {1e-4, 0.01, 0.3}) {
       const std::vector<std::size_t> groups =
           ordered([&](auto&& add) { boxes.for_each_group_near(parent, 1.5 * limit, add); });
