@@ -25,6 +25,7 @@ COUNTS = {
     "portrait": 400,
     "city": 200,
     "decals": 30,
+    "edges": 80,
     "scales": 120,
 }
 LARGEST = 2**20  # bytes of a .blend

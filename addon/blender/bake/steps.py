@@ -21,7 +21,7 @@ from ..base.translation import translated_report
 from ..freshness.concurrent_edits import ConcurrentEdits
 from ..scatter.key_writing import write_baked
 from ..scatter.modifier import ensure_modifier, write_surface_inputs
-from ..scatter.object import settings_of, surface_of
+from ..scatter.object import check_all_over, settings_of, surface_of
 from ..scatter.store import write_binding, write_scattered
 from ..surface.reading import at_frame, frame_kept
 from ..surface.rest_position import rest_position
@@ -31,6 +31,7 @@ from .start import BakeStart, begin_bake, frozen_in, new_baker
 
 def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
     """Optimize each frame from first to last and store keyframes; returns the Baker."""
+    check_all_over(context.object)
     handle, surface = ObjectHandle(context.object), ObjectHandle(surface_of(context.object))
     first, last = times_of(context.scene, first, last)
     if last < first:

@@ -22,7 +22,7 @@ from ..base.object_handles import ObjectHandle
 from ..base.step_operators import AllOrNothing
 from ..base.timers import call_within
 from ..base.translation import translated
-from ..scatter.object import surface_of
+from ..scatter.object import check_all_over, surface_of
 from ..scatter.points import own_points
 from ..surface.polls import ready
 from .preview_steps import Preview, begin_steps, clear_bindings, follow_steps
@@ -79,6 +79,7 @@ def start(obj: bpy.types.Object) -> None:
 
     If there are windows, this is checked in the background, and the panel shows the error.
     """
+    check_all_over(obj)
     preview = Preview(ObjectHandle(obj), ObjectHandle(surface_of(obj)))
     if not own_points(obj).all():
         raise ScatterError(

@@ -18,7 +18,7 @@ from ..base.jobs import Job
 from ..base.mesh_arrays import write_columns, write_points
 from ..base.object_handles import ObjectHandle
 from ..scatter.modifier import ensure_modifier, scatter_modifier
-from ..scatter.object import is_scatter, settings_of
+from ..scatter.object import check_all_over, is_scatter, settings_of
 from ..surface.current_binding import current_steps, other_faces
 from ..surface.mesh import mesh_parts
 from ..surface.reading import read_parts
@@ -40,6 +40,7 @@ class Preview:
 def begin_steps(preview: Preview) -> Steps:
     """Read the surface with the inputs of the density, prepare the follower, show its points."""
     obj, surface = preview.scatter.get(), preview.surface.get()
+    check_all_over(obj)
     settings = settings_of(obj)
     read = yield from read_parts(preview.surface, settings, preview.scatter)
     arrays = yield Task(lambda _: read.arrays())

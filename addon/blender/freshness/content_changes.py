@@ -115,14 +115,19 @@ def _change_note(obj: bpy.types.Object, role: str) -> str:
     """Message that an input has changed."""
     settings, surface = settings_of(obj), obj.dapple.surface.name
     named = value_roles(settings)
-    if role == "material":
-        return translated("Materials of '{surface}' were assigned to other faces", surface=surface)
+    of_surface = {
+        "material": translated(
+            "Materials of '{surface}' were assigned to other faces", surface=surface
+        ),
+        "edges": translated("Edges of '{surface}' were marked or unmarked", surface=surface),
+        "uv": translated("UV map of '{surface}' was changed", surface=surface),
+    }
+    if role in of_surface:
+        return of_surface[role]
     if role in named:
         return translated("Values of '{name}' were changed", name=named[role])
     if role == "image":
         return translated("Image '{name}' was changed", name=settings.density.image)
-    if role == "uv":
-        return translated("UV map of '{surface}' was changed", surface=surface)
     if role == "camera":
         return translated("The camera was moved or changed")
     if role in ("obstacles", "others"):

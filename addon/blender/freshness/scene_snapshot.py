@@ -14,7 +14,7 @@ import numpy as np
 
 from ...core.bake.keys import wrong_index
 from ...core.density.terms import names_of
-from ...core.settings.values import materials_of
+from ...core.settings.values import marks_of, materials_of
 from ...core.solve.stale import Sketched, sketched
 from ...core.surface.arrays import SurfaceArrays, topology_digest
 from ...core.surface.sources import (
@@ -71,10 +71,11 @@ class SceneSnapshot:
         settings, surface = settings_of(obj), obj.dapple.surface
         outline, uid = self.surface(obj, depsgraph).outline, surface.session_uid
         names, materials = names_of(settings), materials_of(settings.density)
+        marks = marks_of(settings)
         values = self._kept(
             VALUES,
-            (uid, names, materials),
-            lambda: value_digests(surface, names, materials),
+            (uid, names, materials, marks),
+            lambda: value_digests(surface, names, materials, marks),
         )
         own = sorted(one.session_uid for one in own_objects(obj))
         nearby = self._kept(

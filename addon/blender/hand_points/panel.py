@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import bpy
 
+from ...core.settings.edge_table import ON_EDGES
 from ..base.sidebars import lines_of
 from ..base.translation import OWN, translated, translated_count
 from ..object_types.panel import active_type
@@ -41,8 +42,13 @@ class DAPPLE_PT_placement(ScatterPanel, bpy.types.Panel):
         if owner != settings:
             layout.label(text=owner.name, icon="OBJECT_DATA", translate=False)
         column = layout.column(align=True)
+        along = settings.scatter_on == ON_EDGES
+        if along:
+            column.prop(settings, "align_to_edges")
         for name in _DIRECTION:
-            column.prop(owner, name)
+            row = column.row(align=True)
+            row.active = not (along and settings.align_to_edges and name == "random_turn")
+            row.prop(owner, name)
         layout.prop(settings, "forward")
         _draw_locked(layout, context.object)
 

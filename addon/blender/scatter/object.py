@@ -8,6 +8,7 @@ import bpy
 from ...core.base.errors import ScatterError
 from ...core.settings.density_table import DENSITY
 from ...core.settings.descriptors import DATA_BLOCKS, Kind
+from ...core.settings.edge_table import ON_EDGES
 from ...core.settings.tables import SCATTER
 from ...core.settings.values import (
     BakeSettings,
@@ -62,6 +63,15 @@ def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
             "or metaball: choose another object"
         )
     return surface
+
+
+def check_all_over(obj: bpy.types.Object) -> None:
+    """ScatterError if the points of a scatter are on edges, where no frame is solved."""
+    if obj.dapple.scatter_on == ON_EDGES:
+        raise ScatterError(
+            f"Scatter '{obj.name}' is on edges: its points stay on them while the surface deforms, "
+            "and need neither a bake nor a preview"
+        )
 
 
 def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:

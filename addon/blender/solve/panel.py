@@ -5,10 +5,11 @@ from typing import ClassVar
 
 import bpy
 
+from ...core.settings.edge_table import KINDS, ON_EDGES
 from ...core.settings.solver_options import EVENNESS
 from ...core.solve.figures import FARTHEST
 from ..base.sidebars import at_right, lines_of
-from ..base.translation import translated, translated_count
+from ..base.translation import OWN, translated, translated_count
 from ..scatter.object import is_scatter, rest_note
 from ..scatter.panel import ScatterPanel
 from ..surface import subdivision
@@ -30,8 +31,25 @@ class DAPPLE_PT_amount(ScatterPanel, bpy.types.Panel):
 def draw_amount(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
     """Draw how the number of points is defined, and the number."""
     column = layout.column()
+    column.prop(settings, "scatter_on", text_ctxt=OWN)
+    if settings.scatter_on == ON_EDGES:
+        _draw_edges(layout, settings)
+    column = layout.column()
     column.prop(settings, "amount", text="Points")
     column.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")
+
+
+def _draw_edges(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
+    """Draw which edges have points, and how these follow each other."""
+    column = layout.column(align=True, heading="Edges")
+    column.prop(settings, "edge_creases")
+    if settings.edge_creases:
+        column.prop(settings, "edge_angle")
+    for name in KINDS[1:]:
+        column.prop(settings, name)
+    column = layout.column()
+    column.prop(settings, "edge_spacing")
+    column.prop(settings, "edge_corners")
 
 
 class DAPPLE_PT_advanced(ScatterPanel, bpy.types.Panel):
@@ -43,9 +61,11 @@ class DAPPLE_PT_advanced(ScatterPanel, bpy.types.Panel):
         layout.use_property_split, layout.use_property_decorate = True, False
         layout.template_icon(icon_value=figure_images.PATTERN.of(obj), scale=6.0)
         column = layout.column(align=True)
+        column.active = obj.dapple.scatter_on != ON_EDGES
         for setting in EVENNESS:
             column.prop(obj.dapple, setting.name)
-        layout.prop(obj.dapple, "keep_points")
+        column.separator()
+        column.prop(obj.dapple, "keep_points")
         layout.prop(obj.dapple, "merge_doubled")
         _draw_attached(layout, obj)
         _draw_figures(layout, obj)

@@ -24,7 +24,7 @@ from ..base.object_handles import ObjectHandle
 from ..base.times import time_of
 from ..scatter.object import is_fluid
 from .joined_parts import parts_of
-from .values import group_weights, raw_values, read_materials
+from .values import group_weights, raw_values, read_marked, read_materials
 
 
 @contextmanager
@@ -152,6 +152,13 @@ def material_values(surface: ObjectHandle, known: RawMesh, names: Collection[str
     with evaluated_mesh(surface.get(), evaluated()) as mesh:
         _check_count(surface, len(mesh.polygons), len(known.starts))
         return read_materials(surface.get(), mesh, names)
+
+
+def marked_values(surface: ObjectHandle, known: RawMesh, marks: Collection[str]) -> RawValues:
+    """Read which edges have one of these marks."""
+    with evaluated_mesh(surface.get(), evaluated()) as mesh:
+        _check_count(surface, len(mesh.loops), len(known.corners))
+        return read_marked(surface.get(), mesh, marks)
 
 
 def read_uv(surface: ObjectHandle, known: RawMesh, name: str) -> Any:

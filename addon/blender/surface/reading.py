@@ -11,14 +11,14 @@ import bpy
 from ...core.base.errors import ScatterError
 from ...core.base.steps import PAUSE, Task, run_now
 from ...core.density.terms import names_of
-from ...core.settings.values import Settings, materials_of
+from ...core.settings.values import Settings, marks_of, materials_of
 from ...core.surface.arrays import SurfaceArrays, check_unchanged
 from ...core.surface.mesh_snapshot import RawMesh, RawValues, surface_of_raw, unmoved
 from ...core.surface.sources import digest_of
 from ..base.object_handles import ObjectHandle
 from ..base.times import show_time, time_of
 from .current_binding import with_rest
-from .mesh import Parts, material_values, mesh_parts, value_parts
+from .mesh import Parts, marked_values, material_values, mesh_parts, value_parts
 from .surroundings import Known, Nearby, lasting, nearby_parts
 
 
@@ -71,6 +71,9 @@ def read_parts(
     if materials_of(density):
         yield PAUSE
         found.values.append(material_values(surface, found.mesh, materials_of(density)))
+    if marks_of(settings):
+        yield PAUSE
+        found.values.append(marked_values(surface, found.mesh, marks_of(settings)))
     found.nearby = yield from nearby_parts(density, surface, own, found.mesh, known)
     return found
 
@@ -118,16 +121,21 @@ def check_faces(surface: bpy.types.Object, arrays: SurfaceArrays) -> None:
 
 
 def value_digests(
-    obj: bpy.types.Object, names: Collection[str], materials: Collection[str]
+    obj: bpy.types.Object,
+    names: Collection[str],
+    materials: Collection[str],
+    marks: Collection[str] = (),
 ) -> dict[str, str]:
     """Digests of values of a surface by name; see SurfaceArrays.digests."""
-    if not names and not materials:
+    if not names and not materials and not marks:
         return {}
     surface = ObjectHandle(obj)
     mesh = run_now(mesh_parts(surface, shaded=False, cut=False))
     found = [run_now(value_parts(surface, mesh, name)) for name in names]
     if materials:
         found.append(material_values(surface, mesh, materials))
+    if marks:
+        found.append(marked_values(surface, mesh, marks))
     return {raw.name: digest_of([raw.numbers(obj.name)]) for raw in found}
 
 

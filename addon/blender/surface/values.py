@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.base.errors import ScatterError
-from ...core.settings.values import MATERIAL
+from ...core.settings.values import MARKED, MATERIAL
+from ...core.surface.arrays import Ints
 from ...core.surface.mesh_snapshot import RawValues, Singles
+from ..base.mesh_arrays import corner_vertices, polygon_starts
 from ..base.quiet import quiet
 from .joined_parts import is_joined, parts_of
 
@@ -157,11 +159,71 @@ def read_materials(obj: bpy.types.Object, mesh: bpy.types.Mesh, names: Iterable[
             f"Surface '{obj.name}' has none of the materials that the mask Material asks for: "
             f"{listed}"
         )
+    rows = np.clip(_material_indices(mesh), 0, len(chosen) - 1)
+    return RawValues(MATERIAL, "FACE", chosen[rows])
+
+
+def read_marked(obj: bpy.types.Object, mesh: bpy.types.Mesh, marks: Iterable[str]) -> RawValues:
+    """Edges of an object's evaluated mesh with one of these marks (core/settings/edge_table.py).
+
+    A corner has 1 + the vertex at the other end of the edge that follows it, 0 if that edge is not
+    marked: pairs of vertices remain however the faces are triangulated.
+    """
+    chosen = np.zeros(len(mesh.edges), dtype=bool)
+    for mark in marks:
+        chosen |= _MARKS[mark](obj, mesh)
+    ends = np.empty((len(mesh.edges), 2), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", ends.ravel())
+    edges = _corner_edges(mesh)
+    others = ends[edges].sum(axis=1) - corner_vertices(mesh)
+    return RawValues(MARKED, "CORNER", np.where(chosen[edges], 1.0 + others, 0.0))
+
+
+def _corner_edges(mesh: bpy.types.Mesh) -> Ints:
+    """The edge (c,) after each corner."""
+    edges = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("edge_index", edges)
+    return edges
+
+
+def _seams(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
+    return _flags(mesh, "use_seam")
+
+
+def _sharp(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
+    return _flags(mesh, "use_edge_sharp")
+
+
+def _flags(mesh: bpy.types.Mesh, name: str) -> NDArray[np.bool_]:
+    found = np.zeros(len(mesh.edges), dtype=bool)
+    mesh.edges.foreach_get(name, found)
+    return found
+
+
+def _material_borders(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
+    """Edges (e,) between faces of different materials; the same one may be in several slots."""
+    slots = _slots(obj, mesh) or [""]
+    numbers = np.array([slots.index(name) for name in slots], dtype=np.int32)
+    kinds = numbers[np.clip(_material_indices(mesh), 0, len(slots) - 1)]
+    sizes = np.diff(np.append(polygon_starts(mesh), len(mesh.loops)))
+    edges, kinds = _corner_edges(mesh), np.repeat(kinds, sizes)
+    least, most = np.full(len(mesh.edges), len(slots)), np.full(len(mesh.edges), -1)
+    np.minimum.at(least, edges, kinds)
+    np.maximum.at(most, edges, kinds)
+    found: NDArray[np.bool_] = least < most
+    return found
+
+
+_MARKS = {"edge_seams": _seams, "edge_sharp": _sharp, "edge_materials": _material_borders}
+
+
+def _material_indices(mesh: bpy.types.Mesh) -> Ints:
+    """Index (p,) of each polygon's material."""
     indices = np.zeros(len(mesh.polygons), dtype=np.int32)
     stored = mesh.attributes.get(MATERIAL)
     if stored is not None and stored.domain == "FACE" and len(indices):
         stored.data.foreach_get("value", indices)
-    return RawValues(MATERIAL, "FACE", chosen[np.clip(indices, 0, len(chosen) - 1)])
+    return indices
 
 
 def _slots(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> list[str]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.native import package
-from ..settings.values import Settings
+from ..settings.values import MARKED, Settings
 from ..surface.arrays import Floats, SurfaceArrays
 from ..surface.frames import SMOOTH, shaded
 from .terms import density_of, fields_of
@@ -51,7 +51,7 @@ def masked_surface_of(
         uv=around.uv,
         image=around.image,
         tiles=around.tiles,
-        values=arrays.weights,
+        values={name: one for name, one in arrays.weights.items() if name != MARKED},
         like=like,
         rest=None if first is None else first.vertices,
         context=context,

@@ -6,6 +6,7 @@ import numpy as np
 from .density_table import DENSITY
 from .descriptors import Changes, Kind, Setting, Settings
 from .display_table import DISPLAY
+from .edge_table import EDGES
 from .instance_table import CLASS, INSTANCES, TILES
 from .solver_options import MOTION, SAMPLE
 
@@ -263,7 +264,17 @@ _UPDATES = (
         Changes.NOTHING,
     ),
 )
-SCATTER: Settings = (*_AMOUNT, *_FACES, *SAMPLE, *_DIRECTION, *DISPLAY, *MOTION, *_BAKE, *_UPDATES)
+SCATTER: Settings = (
+    *_AMOUNT,
+    *EDGES,
+    *_FACES,
+    *SAMPLE,
+    *_DIRECTION,
+    *DISPLAY,
+    *MOTION,
+    *_BAKE,
+    *_UPDATES,
+)
 # By the name of the property that holds the group; "" is the scatter itself.
 GROUPS: dict[str, Settings] = {
     "": (*SCATTER, *INSTANCES),

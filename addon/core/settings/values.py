@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .density_table import settings_of_term
+from .edge_table import ON_EDGES
 from .fields import BakeFields, ClassFields, DensityFields, SolutionFields, TileFields
 from .solver_options import SAMPLE, TRACKED
 
@@ -49,6 +50,11 @@ class Settings(SolutionFields):
     object_types: tuple[ClassSettings, ...] = ()  # none: all points are alike
     density: DensitySettings = DensitySettings()
 
+    @property
+    def on_edges(self) -> bool:
+        """Whether points are along edges of the surface, not all over it."""
+        return self.scatter_on == ON_EDGES
+
     def sample_options(self) -> dict[str, Any]:
         """Keyword options of dapple.sample, without count, classes and density."""
         return {one.name: getattr(self, one.name) for one in SAMPLE}
@@ -57,6 +63,18 @@ class Settings(SolutionFields):
         """Keyword options of dapple.Tracker, which has a limit of evaluations of its own, without
         classes."""
         return {name: getattr(self, name) for name in TRACKED}
+
+
+MARKED = "marked_edges"  # name of the values that say which edges are marked
+
+
+def marks_of(settings: Settings) -> tuple[str, ...]:
+    """The marks of edges that settings ask for: names of settings; none where they have no effect.
+
+    Creases and borders are no marks: they follow from the shape.
+    """
+    marks = ("edge_seams", "edge_sharp", "edge_materials")
+    return tuple(name for name in marks if settings.on_edges and getattr(settings, name))
 
 
 @dataclass(frozen=True)

@@ -33,8 +33,10 @@ _OVERLAP = ("worst_overlap", "overlap_first", "overlap_second")
 
 
 def keeps(settings: Settings, changed: list[str], same_faces: bool) -> bool:
-    """Whether points can be kept: same faces, object types and seed."""
-    return same_faces and KEEPING.issuperset(changed)
+    """Whether points can be kept: same faces, object types and seed. Points on edges are made anew,
+    which is quick.
+    """
+    return same_faces and not settings.on_edges and KEEPING.issuperset(changed)
 
 
 def kept(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.errors import ScatterError
 from ..base.native import named, package
 from ..density.masked_surface import MaskedSurface, masked_surface_of, shares
 from ..settings.values import Settings
@@ -15,6 +16,7 @@ from ..surface.binding import binding_of, bound_nearest
 from ..surface.frames import carried, pointing, shading
 from ..surface.records import Binding, Columns, own_random, unbound
 from .class_counts import clearances, sampled, shrunk
+from .edges import bound_on_edges, counts_on_edges, dealt, sampled_on_edges
 from .figures import Details, details_of
 from .locked import Locked, kept_ids, rows_of
 
@@ -75,7 +77,9 @@ class Solved:
 def scatter(
     arrays: SurfaceArrays, settings: Settings, context: Any, locked: Locked | None = None
 ) -> Scattered:
-    """Scatter points over the current surface, around locked ones."""
+    """Scatter points over the current surface, around locked ones, or along its edges."""
+    if settings.on_edges:
+        return _scatter_on_edges(arrays, settings, context, locked)
     with named(arrays.name):
         masked = masked_surface_of(arrays, settings)
         fine = sampled(masked, settings, context, locked)
@@ -98,6 +102,39 @@ def scatter(
     details = details_of(fine, density)
     capacity, solved = float(masked.surface.capacity), Solved(arrays, masked, fine)
     return Scattered(positions, binding, columns, report, details, settings, capacity, solved)
+
+
+def _scatter_on_edges(
+    arrays: SurfaceArrays, settings: Settings, context: Any, locked: Locked | None
+) -> Scattered:
+    """Scatter points along edges.
+
+    Raises:
+        ScatterError: points are locked, or as sampled_on_edges.
+    """
+    if locked is not None:
+        raise ScatterError(
+            f"{len(locked.ids):,} points are locked, and points on edges cannot be: unlock all"
+        )
+    with named(arrays.name):
+        masked = masked_surface_of(arrays, settings)
+        lines = sampled_on_edges(masked, arrays, settings, context)
+        fine, tangents = lines.samples, np.asarray(lines.tangents)
+        classes = dealt(counts_on_edges(len(fine), settings))
+        samples = masked.to_original(fine)
+        ranks = package().progressive_ranks(fine.positions, classes)
+    columns = point_columns(samples.ids, classes, settings.seed)
+    if settings.align_to_edges:
+        columns["dapple_turn"] = np.zeros(len(classes))
+    columns["dapple_density"] = shares(masked, masked.density_at(fine))
+    columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
+    columns["dapple_clearance"] = clearances(fine.positions, classes, settings)
+    binding = pointing(bound_on_edges(samples, tangents, arrays), arrays, settings.forward)
+    report = replace(
+        report_of(fine.report), converged=True, doubled_faces=masked.original.doubled_faces
+    )
+    positions, capacity = np.asarray(samples.positions), float(masked.surface.capacity)
+    return Scattered(positions, binding, columns, report, Details(), settings, capacity)
 
 
 def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..settings.density_table import DENSITY
 from ..settings.descriptors import DATA_BLOCKS, Changes, Kind
+from ..settings.edge_table import EDGES, ON_EDGES
 from ..settings.solver_options import MOTION, SAMPLE
 from ..settings.values import BakeSettings, Settings
 from ..surface.arrays import Floats, SurfaceArrays, turn_of
@@ -91,6 +92,8 @@ def _of_effect(values: dict[str, Any]) -> dict[str, Any]:
     found = dict(values)
     if found.get("per_area"):
         found["count"] = 0
+    if found.get("scatter_on") != ON_EDGES:
+        found |= {setting.name: None for setting in EDGES[1:]}
     if isinstance(found.get("density"), dict):
         found["density"] = _terms(found["density"])
     if isinstance(found.get("object_types"), list):

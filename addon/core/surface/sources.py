@@ -15,7 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from ..settings.values import MATERIAL, DensitySettings, Settings, materials_of
+from ..settings.values import (
+    MARKED,
+    MATERIAL,
+    DensitySettings,
+    Settings,
+    marks_of,
+    materials_of,
+)
 from .arrays import Floats, SurfaceArrays, Surroundings, turn_of
 
 # Roles that depend on the frame for most scenes: shapes and places.
@@ -166,13 +173,15 @@ def on_faces(stored: str, arrays: SurfaceArrays) -> str:
 
 def is_of_faces(role: str) -> bool:
     """Whether a role can only be compared on the same faces."""
-    return role in ("shape", "density", "blocked", "material", "uv") or role.startswith("class ")
+    values = ("shape", "density", "blocked", "material", "edges", "uv")
+    return role in values or role.startswith("class ")
 
 
 def value_roles(settings: Settings) -> dict[str, str]:
     """Names of the surface's values by their roles."""
     named = {"density": settings.density.attribute, "blocked": settings.density.blocked_areas}
     named["material"] = MATERIAL if materials_of(settings.density) else ""
+    named["edges"] = MARKED if marks_of(settings) else ""
     named |= {f"class {k}": kind.density for k, kind in enumerate(settings.object_types)}
     return {role: name for role, name in named.items() if name}
 

@@ -189,6 +189,16 @@ class DAPPLE_PG_scatter(_Open):
     count: int
     amount: str
     points_per_area: float
+    scatter_on: str
+    edge_creases: bool
+    edge_angle: float
+    edge_borders: bool
+    edge_seams: bool
+    edge_sharp: bool
+    edge_materials: bool
+    edge_spacing: str
+    edge_corners: bool
+    align_to_edges: bool
     merge_doubled: bool
     seed: int
     capacity_weight: float
