@@ -455,6 +455,17 @@ CASES |= {
 
 
 @case
+def remesh_moving(run: Run) -> None:
+    surface = run.surface(TORUS)
+    tracker = dapple.MeshTracker(
+        surface, dapple.remesh(surface, 300, threads=run.threads), threads=run.threads
+    )
+    for frame in twists(run, TORUS, 6)[1:]:
+        moved = tracker.advance(frame)
+        run.keep(source_faces=moved.source_faces, barycentric=moved.barycentric)
+
+
+@case
 def ranks(run: Run) -> None:
     points = dapple.sample(run.surface(TORUS), 800, threads=run.threads).positions
     run.keep(

@@ -46,7 +46,7 @@ RUN = {
     "docs/large.md": {"python": (2, "here")},
     "docs/lines.md": {"sh": (1, "here"), "python": (2, "here")},
     "docs/masks.md": {"sh": (1, "here"), "python": (1, "here")},
-    "docs/remeshing.md": {"sh": (1, "here"), "python": (2, "here")},
+    "docs/remeshing.md": {"sh": (2, "here"), "python": (3, "here")},
     "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
     "docs/peers.md": {"sh": (1, "test_peers.py")},
     "docs/stippling.md": {"sh": (1, "here"), "python": (1, "here")},
@@ -97,15 +97,20 @@ def test_python_pages_run(here, name):
 
 
 def test_the_page_on_remeshing_runs(here):
-    dapple.write_mesh("part.stl", *shapes.torus())
-    for command in code("docs/remeshing.md", "sh").splitlines():
+    vertices, faces = shapes.torus()
+    dapple.write_mesh("part.stl", vertices, faces)
+    np.savez("walk.npz", vertices=[vertices, 1.1 * vertices], faces=faces)
+    for command in filter(None, code("docs/remeshing.md", "sh").splitlines()):
         assert run(*shlex.split(command)[1:]).exit_code == 0
-    first, second = (text for name, text in blocks("docs/remeshing.md") if name == "python")
+    first, second, third = (text for name, text in blocks("docs/remeshing.md") if name == "python")
     namespace = {}
     exec(first, namespace)
     namespace["old_heights"] = namespace["surface"].vertices[:, 2]
     exec(second, namespace)
     np.testing.assert_allclose(namespace["heights"], namespace["mesh"].vertices[:, 2], atol=1e-6)
+    namespace["later_frames"] = [1.1 * namespace["surface"].vertices]
+    exec(third, namespace)
+    assert namespace["moved"].flipped == 0
 
 
 def test_the_page_on_lines_runs(here):

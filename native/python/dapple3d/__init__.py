@@ -76,6 +76,7 @@ from ._native import (
     write_mesh,
 )
 from . import density  # noqa: F401  found as dapple3d.density without an import
+from ._moving_mesh import MeshTracker, MovedMesh
 from ._pieces import track_pieces
 from .stippling import Dots, stipple
 
@@ -95,7 +96,9 @@ __all__ = [
     "FlatDomain",
     "LineSamples",
     "MeshArrays",
+    "MeshTracker",
     "Mosaic",
+    "MovedMesh",
     "Option",
     "PlanarSamples",
     "Plane",

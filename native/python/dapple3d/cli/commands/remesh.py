@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""dapple remesh: the best triangle mesh of so many vertices."""
+"""dapple remesh: the best triangle mesh of so many vertices, on one frame or on all of a motion."""
 
+import json
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,22 +12,29 @@ import click
 import numpy as np
 
 import dapple3d as dapple
-from dapple3d.cli import meshes, options
-from dapple3d.cli.files import check_outputs, listed
+from dapple3d.cli import meshes, options, sequences
+from dapple3d.cli.files import about, check_outputs, listed, load_npz
 from dapple3d.cli.report import Reporter
 from dapple3d.cli.work import Work
 from dapple3d.writing import replacing, write_npz
 
 MESHES = (".off", ".obj", ".ply", ".stl")  # write_mesh() knows them
+MOVING = ("vertices", "source_faces", "barycentric")
 ARRAYS = ("vertices", "faces", "source_faces", "barycentric", "features", "lines")
 
 
 @click.command("remesh", short_help="An even triangle mesh of a mesh.")
-@click.argument("mesh", type=options.INPUT)
+@click.argument("mesh", type=options.FRAMES)
 @click.argument("out", type=options.OUTPUT)
 @options.count_options("Number of vertices.")
 @options.density_options
 @options.library_options("remesh")
+@click.option(
+    "--least-angle",
+    type=click.FloatRange(0, 60),
+    help="Of frames: vertices stay in their places of the surface where an angle below this would "
+    "get smaller. Degrees; 20 by default.",
+)
 @options.surface_options
 @options.profile_option
 @options.report_options
@@ -35,6 +45,7 @@ def command(
     spacing: float | None,
     density: str | None,
     density_at: meshes.Place | None,
+    least_angle: float | None,
     surface_options: meshes.SurfaceOptions,
     profile: bool,
     json_out: str | None,
@@ -47,21 +58,34 @@ def command(
     command says how many. MESH is read as by 'sample'. OUT is .ply, .obj, .off, .stl or .npz, which
     also holds where each vertex lies on MESH.
 
+    MESH may be a motion: a folder of meshes with the same polygons, or one .npz with 'vertices'
+    (frames, v, 3) and 'faces' (m, 3). The mesh of its first frame then moves along, its vertices
+    evenly spaced on each frame. OUT is an .npz: 'vertices' (frames, n, 3), 'source_faces' (frames,
+    n), 'barycentric' (frames, n, 3), the same 'faces' for all, and 'reports' (frames,), JSON.
+
     \b
     Examples:
       dapple remesh bunny.ply even.ply -n 10000
       dapple remesh part.stl even.obj --spacing 0.5 --feature-angle 40
+      dapple remesh walk.npz even.npz -n 5000
     """
     reporter = Reporter(json_out, quiet)
     check_extension(out)
     options.check_amount(count, spacing)
-    check_outputs([mesh, options.density_file(density)], [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
+    motion = motion_of(mesh)
+    check_motion(motion, out, least_angle)
+    files = sequences.files_of([mesh])
+    check_outputs([*files, options.density_file(density)], [out, reporter.file])
+    first = replace(motion[0][1], path=mesh) if motion else meshes.read_mesh(mesh)
+    loaded = meshes.load(first, density, density_at, surface_options)
     count = options.counted(loaded.surface, count, spacing)
     given = options.given(chosen)
-    with Work("remeshing", quiet=quiet) as work:
+    with Work("remeshing", steps=max(len(motion), 1), quiet=quiet) as work:
         made = work.run(partial(dapple.remesh, loaded.surface, count, **given))
-    write(out, made)
+        moved = follow(
+            work, loaded.surface, made, motion, options.given({"least_angle": least_angle})
+        )
+    write(out, made, moved)
     reporter.store(
         "remesh",
         input=loaded.describe(),
@@ -71,10 +95,12 @@ def command(
             **options.given({"spacing": spacing}),
             **options.library_defaults("remesh"),
             **given,
+            **options.given({"least_angle": least_angle}),
         },
         mesh=made.report.to_dict(),
+        **({"frames": [frame.figures() for frame in moved]} if moved else {}),
     )
-    reporter.say(f"{out}: {figures(made.report)}{loaded.doubled()}")
+    reporter.say(f"{out}: {figures(made.report)}{motion_figures(moved)}{loaded.doubled()}")
     if profile:
         reporter.show_profile([made.report])
 
@@ -89,13 +115,80 @@ def check_extension(path: Path) -> None:
         )
 
 
-def write(path: Path, mesh: dapple.RemeshResult) -> None:
+def motion_of(path: Path) -> sequences.Frames:
+    """The frames of a motion, all with the faces of the first; none if the file is one mesh.
+
+    Raises:
+        ClickException: naming the file or frame and what is wrong with it.
+    """
+    if not path.is_dir():
+        if path.suffix.lower() != ".npz":
+            return []
+        arrays = load_npz(path)
+        numbered = any(sequences.NUMBERED.fullmatch(name) for name in arrays)
+        if not numbered and np.ndim(arrays.get("vertices", 0)) != 3:
+            return []
+    return sequences.with_same_faces(sequences.read(sequences.files_of([path])))
+
+
+def check_motion(motion: sequences.Frames, out: Path, least_angle: float | None) -> None:
+    """Refuse what does not fit a motion, or has no effect without one.
+
+    Raises:
+        UsageError: an angle without frames.
+        ClickException: frames that are not written as npz.
+    """
+    if motion and out.suffix.lower() != ".npz":
+        raise click.ClickException(f"{out}: the meshes of all frames are written as .npz")
+    if least_angle is not None and not motion:
+        raise click.UsageError(
+            "--least-angle needs a motion: a folder of meshes, or an .npz of all"
+        )
+
+
+def follow(
+    work: Work,
+    surface: dapple.Surface,
+    mesh: dapple.RemeshResult,
+    motion: sequences.Frames,
+    given: dict[str, Any],
+) -> list[dapple.MovedMesh]:
+    """The mesh on all frames; none without a motion."""
+    if not motion:
+        return []
+    tracker = dapple.MeshTracker(surface, mesh, **given)
+    found = [tracker.first]
+    for name, frame in motion[1:]:
+        with about(name):
+            found.append(work.run(partial(tracker.advance, frame.vertices)))
+    return found
+
+
+def motion_figures(frames: Sequence[dapple.MovedMesh]) -> str:
+    """How good the triangles are on the worst frame."""
+    if not frames:
+        return ""
+    worst = max(range(len(frames)), key=lambda k: (frames[k].below_15, frames[k].flipped))
+    words = f"; {len(frames)} frames"
+    if not frames[worst].below_15:
+        return f"{words}, no triangle below 15 degrees"
+    return (
+        f"{words}, at most {frames[worst].below_15} triangles below 15 degrees and "
+        f"{frames[worst].flipped} turned over, on frame {worst}"
+    )
+
+
+def write(path: Path, mesh: dapple.RemeshResult, frames: Sequence[dapple.MovedMesh] = ()) -> None:
     """Write in the format of the extension; the file is complete or not written."""
     if path.suffix.lower() != ".npz":
         dapple.write_mesh(path, mesh.vertices, mesh.faces)
         return
+    arrays = {name: np.asarray(getattr(mesh, name)) for name in ARRAYS}
+    if frames:
+        arrays |= {name: np.stack([getattr(one, name) for one in frames]) for name in MOVING}
+        arrays["reports"] = np.array([json.dumps(one.figures()) for one in frames])
     with replacing(path) as file:
-        write_npz(file, {name: np.asarray(getattr(mesh, name)) for name in ARRAYS})
+        write_npz(file, arrays)
 
 
 def figures(report: dapple.RemeshReport) -> str:
