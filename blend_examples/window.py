@@ -116,7 +116,7 @@ def scene() -> bpy.types.Object:
     ground = bpy.context.object
     ground.name, ground.color = "Hills", (0.35, 0.30, 0.24, 1)
     texture = bpy.data.textures.new("Hills", "CLOUDS")
-    texture.noise_size = 1.3
+    texture.noise_scale = 1.3
     displace = ground.modifiers.new("Hills", "DISPLACE")
     displace.texture = texture
     for frame, strength in ((1, 1.0), (12, 1.6)):
