@@ -24,7 +24,7 @@ class DAPPLE_AP_preferences(bpy.types.AddonPreferences):
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         draw_removal(layout.column())
-        layout.label(text="Ready scatters, and node groups on their own, for the asset browser:")
+        layout.label(text="Ready-made scatters and single node groups for the asset browser:")
         assets = assets_library.ASSETS.of()
         if not assets.there:
             layout.operator(DAPPLE_OT_add_asset_library.bl_idname, icon="ASSET_MANAGER")

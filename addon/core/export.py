@@ -57,7 +57,7 @@ def check_path(path: Path, frames: int) -> None:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         known = ", ".join(SUFFIXES)
-        raise ScatterError(f"'{path.name}' has no ending that is known: {known}")
+        raise ScatterError(f"'{path.name}' has an unknown file extension; known are {known}")
     if not path.parent.is_dir():
         raise ScatterError(f"'{path.parent}': the folder does not exist")
     if suffix in GLTF and frames > 1:

@@ -56,7 +56,7 @@ INPUTS = {
     "renders",
     "Detail Full Until": "Distance from the camera up to which all points are shown; at twice the "
     "distance a quarter is left",
-    "Detail Minimum": "Fraction of the points that is left at any distance",
+    "Detail Minimum": "Fraction of the points that remains at any distance",
     "Detail Outside View": "Fraction of these points that is left outside the camera's view",
     "Detail Margin": "Distance from the camera's view up to which points count as inside",
     "Detail Fade": "Points shrink before they vanish, in this fraction of those that are left",

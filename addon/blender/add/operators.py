@@ -126,7 +126,7 @@ class DAPPLE_OT_surface_from_selected(AllOrNothing, bpy.types.Operator):
         if not ready(cls, context, scatter=True):
             return False
         if not other_selected(context):
-            cls.poll_message_set(translated("Needs other selected objects to be the surface"))
+            cls.poll_message_set(translated("Needs other selected objects as the surface"))
             return False
         return True
 

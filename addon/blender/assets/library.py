@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node groups and ready scatters as an asset library in the preferences, if the user adds it."""
+"""Node groups and ready-made scatters as an asset library in the preferences, on request."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,8 +44,8 @@ class _LibraryOperator(AllOrNothing):
 
 
 class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
-    """Add Dapple's ready scatters and node groups to the asset libraries in the preferences, so
-    that the asset browser shows them"""
+    """Add Dapple's ready-made scatters and node groups to the asset libraries in the preferences,
+    so that the asset browser shows them"""
 
     bl_idname = "dapple.add_asset_library"
     bl_label = "Add Asset Library"
@@ -82,8 +82,8 @@ def _append(added: bpy.types.UserAssetLibrary) -> None:
 
 
 class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
-    """Remove Dapple's ready scatters and node groups from the asset browser; what is in use stays
-    in its files"""
+    """Remove Dapple's ready-made scatters and node groups from the asset browser; what is in use
+    stays in its files"""
 
     bl_idname = "dapple.remove_asset_library"
     bl_label = "Remove Asset Library"

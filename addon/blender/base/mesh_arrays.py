@@ -85,7 +85,7 @@ def to_local(obj: bpy.types.Object, positions: Floats) -> Floats:
         inverse = np.full((4, 4), np.nan)
     found = positions @ inverse[:3, :3].T + inverse[:3, 3]
     if not (np.abs(found) <= np.finfo(np.float32).max).all():
-        raise ScatterError(f"'{obj.name}' has a scale of 0: give it another one")
+        raise ScatterError(f"'{obj.name}' has a scale of 0: set another one")
     return found
 
 

@@ -71,7 +71,9 @@ class Shot:
         if not bpy.data.filepath:
             raise ScatterError("No file is open: write 'blender -b FILE.blend --command dapple'")
         if bpy.context.mode != "OBJECT":
-            raise ScatterError(f"'{bpy.data.filepath}' is not in Object Mode: save it in that")
+            raise ScatterError(
+                f"'{bpy.data.filepath}' is not in Object Mode: save it in Object Mode"
+            )
         for path in filter(None, (options.output, options.json)):
             if not path.absolute().parent.is_dir():
                 raise ScatterError(f"'{path}': the folder does not exist")

@@ -214,7 +214,7 @@ def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> boo
         return False
     lines_of(layout, *_stroke_note(context, obj))
     if lacks_brush(_tool_name(context), context.tool_settings.weight_paint.brush):
-        lines_of(layout, translated("No brush is chosen: strokes paint nothing"), "ERROR")
+        lines_of(layout, translated("No brush is selected: strokes have no effect"), "ERROR")
     _draw_weight(layout, context.tool_settings)
     row = layout.row()
     row.scale_y = 1.5

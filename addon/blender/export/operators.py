@@ -37,7 +37,7 @@ class DAPPLE_OT_export_points(AllOrNothing, bpy.types.Operator, ExportHelper):
         default=";".join(f"*{suffix}" for suffix in SUFFIXES),
         options={"HIDDEN"},
     )
-    format: EnumProperty(name="Format", description="What is written", items=FORMATS)
+    format: EnumProperty(name="Format", description="Format of the file", items=FORMATS)
     animation: BoolProperty(
         name="Animation",
         description="All frames of the scene range, instead of the one that is shown",

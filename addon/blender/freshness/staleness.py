@@ -266,7 +266,9 @@ def points_reason(obj: bpy.types.Object, snapshot: SceneSnapshot) -> str:
         return solve_again(obj, translated("Points were added or removed since the bake"))
     reason = _edited_reason(obj, snapshot)
     if reason and obj.data.get(RESULT_KEY) == snapshot.points(obj):
-        return solve_again(obj, translated("An undo restored points of other settings"))
+        return solve_again(
+            obj, translated("Undo restored points that were made with other settings")
+        )
     return reason or _placed_reason(obj)
 
 

@@ -131,7 +131,7 @@ class DAPPLE_OT_place_point(_LocationOperator, bpy.types.Operator):
 
 
 class _PointIdOperator:
-    id: IntProperty(name="Id", description="The id of the point", min=0, soft_max=100_000)
+    id: IntProperty(name="ID", description="ID of the point", min=0, soft_max=100_000)
 
 
 class DAPPLE_OT_move_point(_LocationOperator, _PointIdOperator, bpy.types.Operator):

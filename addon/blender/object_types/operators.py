@@ -112,7 +112,7 @@ def select_overlap(obj: bpy.types.Object, context: bpy.types.Context) -> Vector:
     pair = [_row(ids, one, obj.name) for one in (report.overlap_first, report.overlap_second)]
     between = _places_of(obj, pair, context).mean(axis=0)
     if not np.isfinite(between).all():
-        raise ScatterError(f"Scatter '{obj.name}': places of its points are not finite")
+        raise ScatterError(f"Scatter '{obj.name}' has points whose positions are not finite")
     chosen = np.zeros(len(obj.data.vertices), dtype=bool)
     chosen[pair] = True
     obj.data.vertices.foreach_set("select", chosen)
@@ -153,7 +153,7 @@ class DAPPLE_OT_edit_object_types(AllOrNothing, bpy.types.Operator):
 
     action: EnumProperty(
         name="Action",
-        description="What is done to the list",
+        description="Change to the list",
         items=[
             (
                 "ADD",

@@ -34,8 +34,8 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
 
     count: bpy.props.IntProperty(
         name="Vertices",
-        description="Number of vertices of the new mesh; there are more only where the topology "
-        "or the lines that stay need them",
+        description="Number of vertices of the new mesh; the result has more only if its topology"
+        " or the lines that are kept need them",
         default=5000,
         min=1,
         soft_min=8,
@@ -44,8 +44,8 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
     )
     feature_angle: bpy.props.FloatProperty(
         name="Crease Angle",
-        description="Edges whose faces differ by more than this are creases, which stay; 180 "
-        "degrees keeps none",
+        description="Edges between faces that differ by more than this angle are creases, which "
+        "are kept; 180 degrees keeps none",
         default=math.radians(30),
         min=0.0,
         max=math.pi,
@@ -104,19 +104,19 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         messages = [("INFO", text)]
         if report.vertices > report.asked:
             more = translated_report(
-                "The topology and the lines that stay need {count:,} more vertices",
+                "The topology and the lines that are kept need {count:,} more vertices",
                 count=report.vertices - report.asked,
             )
             messages.append(("WARNING", more))
         if report.dropped_lines:
             given_up = translated_report(
-                "{count:,} creases or seams were given up: more vertices may keep them",
+                "{count:,} creases or seams were lost: more vertices may keep them",
                 count=report.dropped_lines,
             )
             messages.append(("WARNING", given_up))
         if report.flaws:
             flaws = translated_report(
-                "In {count:,} places the new mesh is not connected like the old one",
+                "In {count:,} places the new mesh is connected differently from the old one",
                 count=report.flaws,
             )
             messages.append(("WARNING", flaws))

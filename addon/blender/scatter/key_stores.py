@@ -124,9 +124,7 @@ def key_points(obj: bpy.types.Object) -> int:
     is_stored = modifier is not None and has_input(modifier, "Key Points")
     found = get_input(modifier, "Key Points") if is_stored else None
     if not isinstance(found, int) or found < 0:
-        raise ScatterError(
-            f"Scatter '{obj.name}' does not know the number of its points: bake again"
-        )
+        raise ScatterError(f"Scatter '{obj.name}': the number of its points is missing: bake again")
     return found
 
 

@@ -209,7 +209,7 @@ class DAPPLE_PG_parts(bpy.types.PropertyGroup):
     """
 
     surface: PointerProperty(
-        name="Surface", description="Surface that the parts are of", type=bpy.types.Object
+        name="Surface", description="Surface that the parts belong to", type=bpy.types.Object
     )
     entries: CollectionProperty(
         name="Parts", description="Objects that are one surface", type=DAPPLE_PG_part

@@ -44,7 +44,7 @@ def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
         lines.append((text, "INFO"))
     if report.whole_count_variation > max(_NOTABLE, _SHARE * report.capacity_variation):
         whole = 100 * report.whole_count_variation
-        text = translated("Separate parts have whole numbers of points: {whole:.2g} %", whole=whole)
+        text = translated("Due to whole counts per part: {whole:.2g} %", whole=whole)
         lines.append((text, "INFO"))
     if not report.converged and not obj.dapple.baked_keys:
         lines.append((_shortfall(obj), "INFO"))

@@ -35,7 +35,7 @@ def check_tile_object(obj: bpy.types.Object) -> None:
             "mesh: choose another object, or none to create one"
         )
     if made.mode != "OBJECT":
-        raise ScatterError(f"The tiles '{made.name}' are not in Object Mode: leave the mode first")
+        raise ScatterError(f"The tiles '{made.name}' are not in Object Mode: switch to it first")
 
 
 def write_tiles(obj: bpy.types.Object, tiles: Tiles) -> bpy.types.Object:

@@ -15,7 +15,8 @@ DENSITY = (
         "Attribute",
         "Attribute or vertex group of the evaluated surface that multiplies the density: there "
         "are no points where it is 0, and twice as many where it is twice as large. Values of "
-        "faces and of face corners count where they are. Colors count by their brightness",
+        "faces and face corners are used exactly where they are. Of colors, the brightness is "
+        "used",
         own_words=True,
     ),
     Setting(
@@ -32,8 +33,8 @@ DENSITY = (
         "",
         "Image",
         "Image that multiplies the density, as painted: by its brightness and opacity, or by one "
-        "channel. UDIM tiles count where the UV map points at them; where there is no tile, there "
-        "are no points",
+        "channel. UDIM tiles are used where the UV map points to them; where there is no tile, "
+        "there are no points",
     ),
     Setting(
         "image_channel",
@@ -43,10 +44,10 @@ DENSITY = (
         "Image channel used as density",
         choices=(
             ("BRIGHTNESS", "Brightness", "Brightness of the color, times its opacity"),
-            ("RED", "Red", "Red alone, whatever the opacity"),
-            ("GREEN", "Green", "Green alone, whatever the opacity"),
-            ("BLUE", "Blue", "Blue alone, whatever the opacity"),
-            ("ALPHA", "Alpha", "Opacity alone"),
+            ("RED", "Red", "Red only, regardless of opacity"),
+            ("GREEN", "Green", "Green only, regardless of opacity"),
+            ("BLUE", "Blue", "Blue only, regardless of opacity"),
+            ("ALPHA", "Alpha", "Opacity only"),
         ),
         under="image",
     ),
@@ -85,7 +86,7 @@ DENSITY = (
         Kind.NUMBER,
         0.05,
         "Openness",
-        "Share of the sky that a place has to see; more leaves out crevices too",
+        "Fraction of the sky that a place must see; higher values leave out crevices too",
         low=0.0,
         high=1.0,
         subtype="FACTOR",

@@ -69,7 +69,7 @@ DETAIL = (
         Kind.NUMBER,
         0.05,
         "Minimum",
-        "Fraction of the points that is left at any distance",
+        "Fraction of the points that remains at any distance",
         Changes.INSTANCES,
         low=0.0,
         high=1.0,
@@ -92,7 +92,7 @@ DETAIL = (
         Kind.NUMBER,
         0.1,
         "Outside View",
-        "Fraction of these points that is left outside the camera view, for shadows and "
+        "Fraction of these points that remains outside the camera view, for shadows and "
         "reflections",
         Changes.INSTANCES,
         low=0.0,
@@ -116,8 +116,8 @@ DETAIL = (
         Kind.NUMBER,
         0.1,
         "Fade",
-        "Instances shrink before they vanish, so that they do not pop: as a fraction of the "
-        "points that are left",
+        "Instances shrink before they disappear, so that they do not pop. As a fraction of the "
+        "points that remain",
         Changes.INSTANCES,
         low=0.0,
         high=1.0,

@@ -172,8 +172,8 @@ CLASS = (
         Kind.NUMBER,
         1.0,
         "Weight",
-        "Share of the points that no object type counts exactly, relative to the weights of the "
-        "other object types",
+        "Share of the points that remain after exact counts, relative to the weights of the other"
+        " object types",
         low=0.0,
         soft_high=10.0,
     ),

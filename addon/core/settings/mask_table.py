@@ -67,8 +67,8 @@ SLOPE = (
     _switch(
         "slope",
         "Slope",
-        "Only scatter points where the angle between the normal and world Z is in a range. Flat "
-        "faces have one angle each, smooth ones that of the shading",
+        "Only scatter points where the angle between the normal and world Z is in a range. "
+        "Flat-shaded faces have one angle each, smooth ones the angle of their shading",
     ),
     _number(
         "slope",
@@ -277,7 +277,8 @@ NOISE = (
         Kind.WHOLE,
         2,
         "Detail",
-        "How many finer noises are added: each has half the size and half the influence",
+        "Number of finer noise layers; each has half the size and half the influence of the "
+        "previous one",
         low=0,
         high=8,
         under="use_noise",

@@ -56,8 +56,8 @@ _WORDS: dict[str, dict[str, Any]] = {
 # Identifier, label and description, as Blender lists choices.
 QUALITIES = [
     ("DRAFT", "Draft", "Quick preview: even, with a few close pairs"),
-    ("NATURAL", "Natural", "Even without any pattern, like grass or pebbles"),
-    ("FINE", "Fine", "More even than Natural and slightly more regular, at twice the time"),
+    ("NATURAL", "Natural", "Even, without a visible pattern, like grass or pebbles"),
+    ("FINE", "Fine", "More even than Natural and slightly more regular, in twice the time"),
     (
         "REGULAR",
         "Regular",

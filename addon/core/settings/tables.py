@@ -93,8 +93,8 @@ _FACES = (
         Kind.SWITCH,
         True,
         "Merge Doubled",
-        "Faces that lie on each other corner by corner count as one, whichever way they are "
-        "turned. Otherwise each gets points of its own",
+        "Count faces with the same corners as one, regardless of their orientation. Otherwise "
+        "each of them gets its own points",
     ),
 )
 _DIRECTION = (
@@ -207,8 +207,8 @@ _BAKE = (
             (
                 "FIRST_FRAME",
                 "First Frame",
-                "As it is on the first frame, carried along by the surface. Both Directions and "
-                "Loop always do so",
+                "As it is on the first frame, moving with the surface. Both Directions and Loop "
+                "always do this",
             ),
         ),
         field="masks",
@@ -259,8 +259,8 @@ _UPDATES = (
         Kind.SWITCH,
         True,
         "Keep Points",
-        "Auto Update starts from the points that are there: they keep their identity, and few of "
-        "them move far from a change. Optimize starts anew from the seed",
+        "Auto Update starts from the existing points: they keep their identity, and far from a "
+        "change few of them move. Optimize starts over from the seed",
         Changes.NOTHING,
     ),
 )

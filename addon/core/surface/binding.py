@@ -89,5 +89,5 @@ def normalized(weights: Floats) -> Floats:
     total = clipped.sum(axis=1, keepdims=True)
     if (total <= 0.0).any():
         point = int(np.argmax(total[:, 0] <= 0.0))
-        raise ScatterError(f"dapple_barycentric[{point}] sums to nothing: {weights[point]}")
+        raise ScatterError(f"dapple_barycentric[{point}] sums to 0: {weights[point]}")
     return clipped / total

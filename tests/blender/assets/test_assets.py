@@ -281,7 +281,7 @@ READY = {
 
 
 def linked(assets):
-    """The ready scatters, as an asset browser finds them."""
+    """The ready-made scatters, as an asset browser finds them."""
     with bpy.data.libraries.load(str(assets), link=True, assets_only=True) as (found, wanted):
         wanted.objects = list(found.objects)
     return wanted.objects

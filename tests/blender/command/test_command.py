@@ -246,7 +246,7 @@ def test_export_writes_the_frames_that_are_asked_for(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (("points.stl",), 1, "'points.stl' has no ending that is known"),
+        (("points.stl",), 1, "'points.stl' has an unknown file extension"),
         (("missing/points.csv",), 1, "the folder does not exist"),
         (("points.csv", "--frame", "1", "--frames", "1-2"), 2, "not allowed with argument"),
     ],

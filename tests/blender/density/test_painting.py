@@ -349,4 +349,4 @@ def test_it_is_said_where_no_brush_is_chosen(obj, monkeypatch):
     assert not panel.lacks_brush("", None)
     paint("paint_density")
     monkeypatch.setattr(panel, "lacks_brush", lambda *_: True)
-    assert "No brush is chosen: strokes paint nothing" in " ".join(test_panels.drawn())
+    assert "No brush is selected: strokes have no effect" in " ".join(test_panels.drawn())

@@ -299,7 +299,8 @@ def test_nothing_is_left_behind(tmp_path, trees):
 def test_what_cannot_be_exported_is_said(tmp_path, trees):
     error = addon_host.part("core.base.errors").ScatterError
     export = part("points").export_points
-    with pytest.raises(error, match=r"'trees.obj' has no ending that is known: .usdc, .usda"):
+    message = r"'trees.obj' has an unknown file extension; known are .usdc, .usda"
+    with pytest.raises(error, match=message):
         export(tmp_path / "trees.obj", [trees])
     with pytest.raises(error, match="none': the folder does not exist"):
         export(tmp_path / "none" / "trees.csv", [trees])
@@ -329,7 +330,7 @@ def test_the_operator_exports_what_is_selected(tmp_path, trees):
     assert bpy.ops.dapple.export_points(filepath=str(tmp_path / "trees.glb"), animation=True) == {
         "FINISHED"
     }
-    with pytest.raises(RuntimeError, match="has no ending that is known"):
+    with pytest.raises(RuntimeError, match="has an unknown file extension"):
         bpy.ops.dapple.export_points(filepath=str(tmp_path / "trees.xyz"))
     scenes.activate(trees.dapple.surface)
     assert not bpy.ops.dapple.export_points.poll()

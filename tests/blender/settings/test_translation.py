@@ -113,7 +113,7 @@ def test_what_is_shown_is_found():
         ("*", "{count} instance"),
         ("*", "Exact Count"),  # a heading
         ("Dapple", "Rest Position"),  # Blender's German translation would be that of Resolution
-        ("*", "Even without any pattern, like grass or pebbles"),
+        ("*", "Even, without a visible pattern, like grass or pebbles"),
     }
     assert expected <= shown
     assert len(shown) > 250
@@ -206,7 +206,7 @@ def test_the_panel_is_german(german):
     ):
         assert text in shown
     assert any(text.startswith("120 Instanzen, Abstand ") for text in shown)
-    assert "vom idealen, aktuell" in " ".join(shown)
+    assert "des idealen, aktuell" in " ".join(shown)
     obj.dapple.seed, obj.dapple.repulsion_weight = 3, 1.0
     shown = "|".join(test_panels.drawn(translating(german)))
     reason = "Einstellungen wurden geändert (Startwert, Abstoßung): neu optimieren"
@@ -219,7 +219,7 @@ def test_items_of_menus_are_reported_from_blenders_own_words(german):
     prop = obj.dapple.density.bl_rna.properties["shown_term"]
     found = {item.name: german(item.name, prop.translation_context) for item in prop.enum_items}
     assert (found["Aspect"], found["Border"], found["Attribute"]) == (
-        "Ausrichtung",
+        "Hangrichtung",
         "Rand",
         "Attribut",
     )
