@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <dapple/errors.hpp>
+#include <dapple/neighbors.hpp>
 #include <dapple/refine.hpp>
 #include <dapple/remesh.hpp>
 #include <limits>
@@ -13,6 +14,7 @@
 #include "base/sets.hpp"
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
+#include "density/piece_finder.hpp"
 #include "lines/line_sites.hpp"
 #include "remesh/dual.hpp"
 #include "remesh/measure.hpp"
@@ -64,27 +66,46 @@ LineRules rules_of(const Surface& surface, std::size_t count, const RemeshOption
 class Remesher {
  public:
   /// The surface and the options must outlive it.
+  /// \param start free sites of an earlier solution; none: a random start
   Remesher(const Surface& surface, std::size_t count, const RemeshOptions& options,
-           FeatureLines lines)
-      : surface_(surface), count_(count), options_(options), lines_(std::move(lines)) {}
+           FeatureLines lines, Sites start = {})
+      : surface_(surface),
+        count_(count),
+        options_(options),
+        lines_(std::move(lines)),
+        solution_(std::move(start)) {}
 
-  /// \param gives_up whether creases and marked edges are dropped where nothing else helps
-  void run(bool gives_up, Context* context) {
+  void run(Context* context) {
     Stretch solving(context, 0.0, kSolved), mending(context, kSolved, kMended),
         thinning(context, kMended, 1.0);
     solve(solving.context());
     mend_all(mending.context());
-    for (int k = 0; k < kDroppings && gives_up && !dual_.violations.empty() && drop_hopeless();
-         ++k) {
+    keep_best();
+    thin_all(thinning.context());
+  }
+
+  /// Drop creases and marked edges where nothing else helps, after run() has left flaws.
+  void give_up(Context* context) {
+    best_sites_ = {};  // it holds a mesh that keeps all lines
+    Stretch mending(context, 0.0, kMended), thinning(context, kMended, 1.0);
+    for (int k = 0; k < kDroppings && !dual_.violations.empty() && drop_hopeless(); ++k) {
       solve(mending.context());
       mend_all(mending.context());
     }
     keep_best();
-    for (int k = 0; k < kThinnings && best_sites_.size() > count_ && best_.violations.empty(); ++k)
-      if (!thin(thinning.context())) break;
+    thin_all(thinning.context());
   }
 
   [[nodiscard]] RemeshResult result() const;
+  [[nodiscard]] bool has_flaws() const { return !best_.violations.empty(); }
+
+  /// The sites of the last solution that are on no line.
+  [[nodiscard]] Sites free_sites() const {
+    std::vector<std::int32_t> members;
+    for (std::size_t k = solved_lines_; k < solution_.size(); ++k)
+      members.push_back(static_cast<std::int32_t>(k));
+    return select(solution_, members);
+  }
 
  private:
   /// Drop creases at which the topology cannot be reached, such as two that touch; then marked
@@ -119,16 +140,52 @@ class Remesher {
   void solve(Context* context) {
     const LineSites on_lines = sites_on_lines(surface_, lines_, line_spacing());
     SampleClass all{.count = std::max(count_, on_lines.sites.size()), .locked = on_lines.sites};
-    const ClassProblem problem = problem_of(all);
-    ClassMinimum found = dapple::solve(problem, class_options(options_), context);
+    const Sites start = solution_beside(on_lines.sites, all.count - on_lines.sites.size());
+    const bool again = start.size() > 0;
+    ClassMinimum found = again ? solve_from(on_lines.sites, start, context)
+                               : dapple::solve(problem_of(all), class_options(options_), context);
     evaluations_ += found.minimum.evaluations;
     converged_ = found.minimum.converged;
+    solution_ = found.minimum.state.sites;
+    solved_lines_ = on_lines.sites.size();
     sites_ = {};
     sites_.add(found.minimum.state.sites, SiteKind::kFree, -1, false);
     for (std::size_t k = 0; k < on_lines.sites.size(); ++k) {
       sites_.kinds[k] = k < on_lines.corners ? SiteKind::kCorner : SiteKind::kLine;
       sites_.chains[k] = on_lines.chains[k];
     }
+  }
+
+  /// So many sites of the last solution: those farthest from places on lines, which may be their
+  /// own; none if there are too few.
+  [[nodiscard]] Sites solution_beside(const Sites& places, std::size_t count) const {
+    if (solution_.size() < count || places.size() == 0) return {};
+    const Neighbors tree(places.positions);
+    std::vector<Neighbor> nearest;
+    std::vector<std::pair<double, std::int32_t>> order;  // farthest first, then the lower index
+    for (std::size_t k = 0; k < solution_.size(); ++k) {
+      tree.nearest(solution_.positions[k], 1, nearest);
+      order.emplace_back(-nearest[0].squared_distance, static_cast<std::int32_t>(k));
+    }
+    std::ranges::sort(order);
+    std::vector<std::int32_t> members;
+    for (std::size_t k = 0; k < count; ++k) members.push_back(order[k].second);
+    std::ranges::sort(members);
+    return select(solution_, members);
+  }
+
+  /// Space free sites evenly among those on lines, from where they are.
+  [[nodiscard]] ClassMinimum solve_from(const Sites& on_lines, const Sites& start,
+                                        Context* context) const {
+    Sites sites = on_lines;
+    append(sites, start);
+    const SampleClass all{.count = sites.size()};
+    const ClassProblem problem = problem_of(all);
+    std::vector<bool> locked(sites.size(), false);
+    std::fill_n(locked.begin(), on_lines.size(), true);
+    return dapple::solve(
+        make_objective(problem, class_of_sites(problem), class_options(options_), locked), sites,
+        options_.optimizer, context);
   }
 
   /// Sites on the edges of thin walls belong to both sides, which are not taken apart then.
@@ -184,6 +241,11 @@ class Remesher {
     best_sites_ = sites_;
   }
 
+  void thin_all(Context* context) {
+    for (int k = 0; k < kThinnings && best_sites_.size() > count_ && best_.violations.empty(); ++k)
+      if (!thin(context)) break;
+  }
+
   /// Take away as many sites as there are too many, where the topology does not need them.
   bool thin(Context* context) {
     sites_ = best_sites_;
@@ -207,6 +269,8 @@ class Remesher {
   std::size_t count_;
   const RemeshOptions& options_;
   FeatureLines lines_;
+  Sites solution_;                // of the last solve(), those on lines first
+  std::size_t solved_lines_ = 0;  // of them
   RemeshSites sites_, best_sites_;
   Dual dual_, best_;
   std::size_t dropped_lines_ = 0;
@@ -337,18 +401,35 @@ void name_parents(const Refined& fine, RemeshResult& mesh) {
   }
 }
 
+/// Sites of a surface on its finer faces.
+Sites on_pieces(const Refined& fine, const Sites& sites) {
+  const PieceFinder finder(fine);
+  Sites result;
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    const auto [face, inside] = finder.find(sites.faces[k], sites.barycentric[k]);
+    result.positions.push_back(fine.surface.point(face, inside));
+    result.faces.push_back(face);
+    result.barycentric.push_back(inside);
+  }
+  return result;
+}
+
 /// Cells are divided face by face where straight lines go through walls: on large faces some reach
 /// the other side of a wall that they are not connected to. On finer ones they do not.
+/// \param start free sites of a solution on the surface
 RemeshResult remesh_on_finer_faces(const Surface& surface, std::size_t count,
                                    const RemeshOptions& options, const FeatureLines& lines,
-                                   Context* context) {
+                                   const Sites& start, Context* context) {
   const double longest = kFiner * surface.spacing(count);
   const Refined fine = refine_edges(
       surface, {&longest, 1},
       std::min(kMostRefinedFaces, kFinerFaces * (count + surface.face_count())), nullptr);
   Remesher remesher(fine.surface, count, options,
-                    FeatureLines(fine, lines, rules_of(surface, count, options)));
-  remesher.run(/*gives_up=*/true, context);
+                    FeatureLines(fine, lines, rules_of(surface, count, options)),
+                    on_pieces(fine, start));
+  Stretch first(context, 0.0, kFirst), second(context, kFirst, 1.0);
+  remesher.run(first.context());
+  if (remesher.has_flaws()) remesher.give_up(second.context());
   RemeshResult made = remesher.result();
   name_parents(fine, made);
   return made;
@@ -359,12 +440,9 @@ RemeshResult best_remesh(const Surface& surface, std::size_t count, const Remesh
   Stretch first(context, 0.0, kFirst), second(context, kFirst, kSecond),
       third(context, kSecond, 1.0);
   const FeatureLines lines(surface, rules_of(surface, count, options), context);
-  const auto on_its_faces = [&](bool gives_up, Context* part) {
-    Remesher remesher(surface, count, options, lines);
-    remesher.run(gives_up, part);
-    return remesher.result();
-  };
-  RemeshResult made = on_its_faces(/*gives_up=*/false, first.context());
+  Remesher remesher(surface, count, options, lines);
+  remesher.run(first.context());
+  RemeshResult made = remesher.result();
   const auto take_better = [&](RemeshResult other) {
     const auto worth = [](const RemeshResult& mesh) {
       return std::tuple(mesh.report.flaws, mesh.report.dropped_lines, mesh.vertices.size());
@@ -372,8 +450,12 @@ RemeshResult best_remesh(const Surface& surface, std::size_t count, const Remesh
     if (worth(other) < worth(made)) made = std::move(other);
   };
   if (made.report.flaws > 0)
-    take_better(remesh_on_finer_faces(surface, count, options, lines, second.context()));
-  if (made.report.flaws > 0) take_better(on_its_faces(/*gives_up=*/true, third.context()));
+    take_better(remesh_on_finer_faces(surface, count, options, lines, remesher.free_sites(),
+                                      second.context()));
+  if (made.report.flaws > 0) {
+    remesher.give_up(third.context());
+    take_better(remesher.result());
+  }
   const StageSpan reporting(context, Stage::kReporting);
   measure_mesh(surface, lines, made);
   return made;
