@@ -26,6 +26,7 @@ COUNTS = {
     "city": 200,
     "decals": 30,
     "edges": 80,
+    "remeshed": 800,
     "scales": 120,
 }
 LARGEST = 2**20  # bytes of a .blend
