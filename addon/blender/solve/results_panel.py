@@ -67,6 +67,16 @@ def _doubled(report: bpy.types.PropertyGroup) -> list[tuple[str, str]]:
     return [(text, "INFO")]
 
 
+def _length(value: float) -> str:
+    """A length with the unit of the scene."""
+    units = bpy.context.scene.unit_settings
+    if units.system == "NONE":
+        return f"{value:.3g}"
+    return bpy.utils.units.to_string(
+        units.system, "LENGTH", value * units.scale_length, precision=3
+    )
+
+
 def _result(obj: bpy.types.Object) -> str:
     """The number of instances, and how evenly they are spread."""
     report = obj.dapple.report
@@ -74,7 +84,7 @@ def _result(obj: bpy.types.Object) -> str:
     if not report.measured and auto_update.progress(obj) is None:
         return translated("{instances}, not measured: optimize again", instances=instances)
     if obj.dapple.scatter_on == ON_EDGES:
-        apart = f"{report.spacing:.3g}"
+        apart = _length(report.spacing)
         return translated("{instances}, {apart} apart", instances=instances, apart=apart)
     if not _has_spacing(report):
         spread = 100 * report.capacity_variation

@@ -31,6 +31,7 @@ EDGES = (
         True,
         "Creases",
         "Edges at which the surface bends by more than Crease Angle",
+        own_words=True,
     ),
     Setting(
         "edge_angle",
@@ -69,6 +70,7 @@ EDGES = (
         False,
         "Material Borders",
         "Edges between faces of different materials",
+        own_words=True,
     ),
     Setting(
         "edge_spacing",

@@ -263,3 +263,14 @@ def test_settings_of_edges_do_not_matter_on_a_surface():
     assert reason(obj) == ""
     obj.dapple.scatter_on = "EDGES"
     assert "Scatter On" in reason(obj)
+
+
+def test_the_result_names_the_distance_in_the_unit_of_the_scene():
+    lines = addon_host.part("blender.solve.results_panel").result_lines
+    obj = on_edges(cube(), 60)
+    bpy.context.scene.unit_settings.system = "METRIC"
+    assert lines(obj, bpy.context)[0][0].startswith("60 instances, 40 cm apart")
+    bpy.context.scene.unit_settings.scale_length = 10.0
+    assert lines(obj, bpy.context)[0][0].startswith("60 instances, 4 m apart")
+    bpy.context.scene.unit_settings.system = "NONE"
+    assert lines(obj, bpy.context)[0][0].startswith("60 instances, 0.4 apart")
