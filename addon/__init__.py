@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dapple: even, never patterned scattering over surfaces that deform."""
+"""Dapple: even scattering without patterns, on surfaces that deform."""
 
 
 def register() -> None:
