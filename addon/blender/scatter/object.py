@@ -65,13 +65,16 @@ def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
     return surface
 
 
-def check_all_over(obj: bpy.types.Object) -> None:
-    """ScatterError if the points of a scatter are on edges, where no frame is solved."""
+def check_all_over(obj: bpy.types.Object, instead: str = "") -> None:
+    """ScatterError if the points of a scatter are on edges, with what to do instead: by default
+    nothing, because no frame has to be solved.
+    """
     if obj.dapple.scatter_on == ON_EDGES:
-        raise ScatterError(
-            f"Scatter '{obj.name}' is on edges: its points stay on them while the surface deforms, "
-            "and need neither a bake nor a preview"
+        instead = instead or (
+            "its points stay on them while the surface deforms, and need neither a bake nor a "
+            "preview"
         )
+        raise ScatterError(f"Scatter '{obj.name}' is on edges: {instead}")
 
 
 def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:

@@ -17,7 +17,7 @@ from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator
 from ..base.translation import operator_label, translated
 from ..display import preview
 from ..freshness.concurrent_edits import check_points_kept, points_now
-from ..scatter.object import settings_of
+from ..scatter.object import check_all_over, settings_of
 from ..scatter.points import columns_with_own_ids, places_of
 from ..surface.current_binding import rest_of
 from ..surface.joined_surface import surface_for
@@ -128,6 +128,7 @@ class DAPPLE_OT_optimize(_DeletesKeyframes, bpy.types.Operator):
 
 def reattach_steps(context: bpy.types.Context) -> Steps:
     """Bind the active scatter to the places of its surface that are nearest to its points."""
+    check_all_over(context.object, "Optimize puts its points on the edges of the present faces")
     handle = ObjectHandle(context.object)
     with surface_for(context.object) as surface:
         kind = kind_of_binding(surface.get(), context, context.object.dapple.attach_to)

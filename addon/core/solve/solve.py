@@ -114,7 +114,7 @@ def _scatter_on_edges(
     """
     if locked is not None:
         raise ScatterError(
-            f"{len(locked.ids):,} points are locked, and points on edges cannot be: unlock all"
+            f"Points on edges cannot be locked ({len(locked.ids):,} are): unlock all"
         )
     with named(arrays.name):
         masked = masked_surface_of(arrays, settings)

@@ -24,7 +24,11 @@ def grid(parts=4, size=4.0):
 
 def on_edges(surface, count, **settings):
     """A scatter along the edges of a surface."""
-    obj = scenes.scattered(surface, count=10)
+    return along_edges(scenes.scattered(surface, count=10), count, **settings)
+
+
+def along_edges(obj, count, **settings):
+    """A scatter, moved to the edges of its surface."""
     obj.dapple.scatter_on, obj.dapple.count = "EDGES", count
     for name, value in settings.items():
         setattr(obj.dapple, name, value)
@@ -206,6 +210,19 @@ def reason(obj):
     return addon_host.part("blender.freshness.staleness").stale_reason(obj, bpy.context)
 
 
+def test_reattach_leaves_it_to_optimize():
+    obj = on_edges(cube(), 60)
+    before = axes(obj)
+    with pytest.raises(RuntimeError, match="Optimize puts its points on the edges of the present"):
+        bpy.ops.dapple.reattach()
+    assert np.array_equal(axes(obj), before)
+    scenes.activate(obj.dapple.surface)
+    assert bpy.ops.dapple.remesh(count=200) == {"FINISHED"}
+    scenes.activate(obj)
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert (np.isclose(np.abs(places(obj)), 1.0, atol=1e-5).sum(axis=1) == 2).all()
+
+
 def failing(surface, message, **settings):
     obj = scenes.scattered(surface, count=10)
     before = places(obj)
@@ -243,7 +260,9 @@ def test_locked_points_are_refused():
     obj = scenes.scattered(cube(), count=10)
     bpy.ops.dapple.lock_points(lock=True, every=True)
     obj.dapple.scatter_on = "EDGES"
-    with pytest.raises(RuntimeError, match="10 points are locked, and points on edges cannot be"):
+    with pytest.raises(
+        RuntimeError, match=r"Points on edges cannot be locked \(10 are\): unlock all"
+    ):
         bpy.ops.dapple.optimize()
 
 
@@ -274,3 +293,27 @@ def test_the_result_names_the_distance_in_the_unit_of_the_scene():
     assert lines(obj, bpy.context)[0][0].startswith("60 instances, 4 m apart")
     bpy.context.scene.unit_settings.system = "NONE"
     assert lines(obj, bpy.context)[0][0].startswith("60 instances, 0.4 apart")
+
+
+def test_texts_have_edges_and_bare_curves_have_no_faces():
+    bpy.ops.object.text_add()
+    bpy.context.object.data.extrude = 0.2
+    assert len(places(on_edges(bpy.context.object, 100))) == 100
+    bpy.ops.curve.primitive_bezier_circle_add()
+    curve = bpy.context.object
+    obj = scenes.scattered(cube(), count=10)
+    obj.dapple.surface, obj.dapple.scatter_on = curve, "EDGES"
+    with pytest.raises(RuntimeError, match=r"Surface 'B.zierCircle' has no faces"):
+        bpy.ops.dapple.optimize()
+
+
+def test_marks_of_several_objects_that_are_one_surface():
+    first, second = grid(), grid()
+    second.location.x = 10.0
+    for one in (first, second):
+        marked(one, "use_seam", lambda place: abs(place.x) < 1e-6)
+        one.select_set(True)
+    assert bpy.ops.dapple.add_scatter(count=10) == {"FINISHED"}
+    obj = along_edges(bpy.context.object, 16, **ONLY, edge_seams=True)
+    found = places(obj)
+    assert np.sort(np.round(found[:, 0])).tolist() == [0.0] * 8 + [10.0] * 8
