@@ -141,9 +141,10 @@ void bind_reports(py::module_& m) {
       .def_readonly("iterations", &Report::iterations, "Steps taken.")
       .def_readonly("parts", &Report::parts,
                     "Tracker: parts into which the frame was split because the surface moves far.")
-      .def_readonly(
-          "converged", &Report::converged,
-          "False if the evaluations ran out first, or no step reached the predicted decrease.")
+      .def_readonly("converged", &Report::converged,
+                    "False if the evaluations ran out first, or no step reached the predicted "
+                    "decrease and another "
+                    "start might lead lower.")
       .def_readonly("seconds", &Report::seconds, "Wall time.")
       .def_property_readonly(
           "profile", [](const Report& r) { return profile_dict(r.profile); },

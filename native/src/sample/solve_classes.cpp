@@ -2,6 +2,7 @@
 #include "sample/solve_classes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <dapple/neighbors.hpp>
 #include <numeric>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "optimize/discs.hpp"
 #include "optimize/forecast.hpp"
 #include "rebalance/rebalance.hpp"
+#include "sample/outcome.hpp"
 #include "surface/islands.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -32,10 +34,15 @@ constexpr double kOtherSide = -0.5;     // cosine between normals
 constexpr int kSettling = 2;  // times that the numbers of sites of neighborhoods are checked
 constexpr double kAlone =
     0.35;  // share of the progress after the start when each class is even on its own
-constexpr double kRound = 0.4;   // share of the remaining progress, as their number is unknown
-constexpr double kRough = 5e-4;  // tolerance before all classes move together
-constexpr double kPolish = 2.0;  // times the tolerance, if classes are nearly even when combined
-constexpr double kInTurn = 0.6;  // of the progress after the start
+constexpr double kRound = 0.4;    // share of the remaining progress, as their number is unknown
+constexpr double kRough = 5e-4;   // tolerance before all classes move together
+constexpr double kPolish = 2.0;   // times the tolerance, if classes are nearly even when combined
+constexpr double kInTurn = 0.6;   // of the progress after the start
+constexpr double kNearly = 0.9;   // of the progress, before sites are moved
+constexpr double kUseful = 20.0;  // the least weight of capacities that are to be equal
+constexpr int kMoves = 6;         // times that sites are moved to other neighborhoods
+// While the capacity variation is larger, apart from what whole numbers cause.
+constexpr double kUneven = 0.012;
 
 std::vector<std::int32_t> numbers_from(std::int32_t first, std::size_t count) {
   std::vector<std::int32_t> numbers(count);
@@ -194,6 +201,48 @@ void go_on_along(ClassMinimum& found, OptimizerOptions options, Context* context
   end_apart(found.objective, options, found.minimum, nullptr);
 }
 
+/// Whether sites may go anywhere, and nothing but equal cells is wanted.
+bool is_plain(const ClassProblem& problem, const ClassOptions& options) {
+  const ClassProblem::Member& first = problem.classes[0];
+  return problem.classes.size() == 1 && first.locked.size() == 0 && first.radius == 0.0 &&
+         problem.all->period() == 0.0 && options.sample.optimizer.method == Method::kTrustRegion &&
+         options.sample.optimizer.capacity_weight >= kUseful;
+}
+
+/// Where parts are hardly connected, as on machines and characters made of parts, steps end at a
+/// minimum in which some neighborhoods have a site too many and others one too few. Move such sites
+/// and continue from there, as long as that lowers the energy.
+void move_over(const ClassProblem& problem, const ClassOptions& options, ClassMinimum& found,
+               Context* context) {
+  const double loose =
+      std::max(1.0, options.sample.optimizer.tolerance / OptimizerOptions().tolerance);
+  const double uneven = kUneven * std::sqrt(loose);
+  double done = 0.0;
+  for (int round = 1; round <= kMoves; ++round) {
+    const double whole = whole_count_variation(*problem.all, found.minimum.state.sites);
+    if (capacity_variation(found.objective, found.minimum.state) <= std::hypot(uneven, whole))
+      return;
+    const double before = std::exchange(done, done + kRound * (1.0 - done));
+    Stretch moving(context, before, done);
+    int evaluations = found.minimum.evaluations;
+    const Sites start =
+        evened(*problem.all, found.minimum.state.sites,
+               options.sample.seed + static_cast<std::uint64_t>(round), context, evaluations);
+    OptimizerOptions rest = options.sample.optimizer;
+    rest.max_evaluations -= evaluations;
+    if (rest.max_evaluations < 1) return;
+    Minimum next = minimize(found.objective, start, rest, moving.context());
+    found.minimum.evaluations = next.evaluations += evaluations;
+    next.iterations += found.minimum.iterations;
+    if (!(next.state.total < found.minimum.state.total)) {
+      // Not even another start leads lower.
+      found.minimum.converged = found.minimum.converged || next.settled;
+      return;
+    }
+    found.minimum = std::move(next);
+  }
+}
+
 /// Whether all classes have the same density, so that their union has it too.
 bool alike(const ClassProblem& problem) {
   return std::all_of(problem.classes.begin(), problem.classes.end(), [&](const auto& member) {
@@ -348,8 +397,10 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
   const double together = stages ? started + kAlone * (1.0 - started) : started;
   Stretch alone(context, started, together);
   const bool thin = 2 * along > start.size();
-  const double first = thin ? together + kRound * (1.0 - together) : 1.0;
-  Stretch finishing(context, together, first), going_on(context, first, 1.0);
+  const double last = is_plain(problem, options) ? together + kNearly * (1.0 - together) : 1.0;
+  const double first = thin ? together + kRound * (last - together) : last;
+  Stretch finishing(context, together, first), going_on(context, first, last),
+      moving(context, last, 1.0);
   Minimum before;
   if (options.sample.start == Start::kPoisson)
     before.evaluations += settle_islands(problem, options.sample.seed, start, nullptr);
@@ -358,6 +409,7 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
       solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)), start,
             options.sample.optimizer, finishing.context());
   if (thin) go_on_along(found, options.sample.optimizer, going_on.context());
+  if (is_plain(problem, options)) move_over(problem, options, found, moving.context());
   found.minimum.evaluations += before.evaluations;
   found.minimum.iterations += before.iterations;
   return found;

@@ -304,6 +304,32 @@ TEST(Sampler, SaysWhenItDidNotConverge) {
   EXPECT_EQ(report.evaluations, 3);
 }
 
+/// Squares of 3 x 3 cells that hang together by one cell: hardly any step moves a sample from one
+/// to the next.
+Surface squares_on_necks() {
+  constexpr int kCells = 79;
+  Shape shape = grid(kCells);
+  std::vector<Face> kept;
+  for (const Face& face : shape.faces) {
+    Vec3 middle = Vec3::Zero();
+    for (const std::int32_t v : face)
+      middle += kCells / 3.0 * shape.vertices[static_cast<std::size_t>(v)];
+    const int x = static_cast<int>(middle.x()) % 4, y = static_cast<int>(middle.y()) % 4;
+    if ((x < 3 && y < 3) || (x == 3 && y == 1) || (x == 1 && y == 3)) kept.push_back(face);
+  }
+  shape.faces = kept;
+  return shape.surface();
+}
+
+TEST(Sampler, EvensOutPartsThatAreHardlyConnected) {
+  const Surface surface = squares_on_necks();
+  for (const std::uint64_t seed : {0u, 1u, 2u}) {
+    const Report report = sample(surface, 1000, {.seed = seed}).report;
+    EXPECT_LT(report.evenness.capacity_variation, 0.016) << seed;
+    EXPECT_TRUE(report.converged) << seed;
+  }
+}
+
 TEST(Sampler, EndsWithFullProgress) {
   Context context;
   (void)sample(blob(2).surface(), 100, {}, &context);
