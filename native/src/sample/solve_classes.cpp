@@ -40,6 +40,8 @@ constexpr double kPolish = 2.0;   // times the tolerance, if classes are nearly 
 constexpr double kInTurn = 0.6;   // of the progress after the start
 constexpr double kNearly = 0.9;   // of the progress, before sites are moved
 constexpr double kUseful = 20.0;  // the least weight of capacities that are to be equal
+constexpr double kMoving = 0.2;   // of a round
+constexpr int kMoved = 5;         // evaluations that a round takes at least
 constexpr int kMoves = 6;         // times that sites are moved to other neighborhoods
 // While the capacity variation is larger, apart from what whole numbers cause.
 constexpr double kUneven = 0.012;
@@ -209,29 +211,33 @@ bool is_plain(const ClassProblem& problem, const ClassOptions& options) {
          options.sample.optimizer.capacity_weight >= kUseful;
 }
 
+/// Whether the capacities vary by more than the tolerance and whole numbers account for.
+bool is_uneven(const ClassProblem& problem, const OptimizerOptions& options,
+               const ClassMinimum& found) {
+  const double loose = std::max(1.0, options.tolerance / OptimizerOptions().tolerance);
+  const double whole = whole_count_variation(*problem.all, found.minimum.state.sites);
+  return capacity_variation(found.objective, found.minimum.state) >
+         std::hypot(kUneven * std::sqrt(loose), whole);
+}
+
 /// Where parts are hardly connected, as on machines and characters made of parts, steps end at a
 /// minimum in which some neighborhoods have a site too many and others one too few. Move such sites
 /// and continue from there, as long as that lowers the energy.
 void move_over(const ClassProblem& problem, const ClassOptions& options, ClassMinimum& found,
                Context* context) {
-  const double loose =
-      std::max(1.0, options.sample.optimizer.tolerance / OptimizerOptions().tolerance);
-  const double uneven = kUneven * std::sqrt(loose);
+  OptimizerOptions rest = options.sample.optimizer;
   double done = 0.0;
-  for (int round = 1; round <= kMoves; ++round) {
-    const double whole = whole_count_variation(*problem.all, found.minimum.state.sites);
-    if (capacity_variation(found.objective, found.minimum.state) <= std::hypot(uneven, whole))
-      return;
+  for (int round = 1; round <= kMoves && is_uneven(problem, rest, found); ++round) {
+    if (found.minimum.evaluations + kMoved >= options.sample.optimizer.max_evaluations) return;
     const double before = std::exchange(done, done + kRound * (1.0 - done));
-    Stretch moving(context, before, done);
+    const double moved = before + kMoving * (done - before);
+    Stretch moving(context, before, moved), stepping(context, moved, done);
     int evaluations = found.minimum.evaluations;
-    const Sites start =
-        evened(*problem.all, found.minimum.state.sites,
-               options.sample.seed + static_cast<std::uint64_t>(round), context, evaluations);
-    OptimizerOptions rest = options.sample.optimizer;
-    rest.max_evaluations -= evaluations;
-    if (rest.max_evaluations < 1) return;
-    Minimum next = minimize(found.objective, start, rest, moving.context());
+    const Sites start = evened(*problem.all, found.minimum.state.sites,
+                               options.sample.seed + static_cast<std::uint64_t>(round),
+                               moving.context(), evaluations);
+    rest.max_evaluations = std::max(1, options.sample.optimizer.max_evaluations - evaluations);
+    Minimum next = minimize(found.objective, start, rest, stepping.context());
     found.minimum.evaluations = next.evaluations += evaluations;
     next.iterations += found.minimum.iterations;
     if (!(next.state.total < found.minimum.state.total)) {
