@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A figure of balls cut open, with points everywhere and outside alone, rendered by Blender: docs/images/outside.webp.
+"""A figure of balls cut open, with points everywhere and outside alone: docs/images/outside.webp.
 
 build/venv/bin/python benchmarks/outside/picture.py OUT.webp
 """
