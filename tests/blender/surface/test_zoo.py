@@ -66,7 +66,7 @@ def test_whole_counts_on_separate_parts_are_said(addon):
     scatter = scattered(120)
     assert scatter.dapple.report.whole_count_variation > 0.1
     lines = [text for text, _ in addon.blender.solve.results_panel.figure_lines(scatter)]
-    assert any("whole numbers" in line for line in lines)
+    assert any("whole counts" in line for line in lines)
 
 
 def test_a_double_sided_ground_is_even():
