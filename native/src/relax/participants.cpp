@@ -113,8 +113,7 @@ Minimum minimize_free(std::span<const FreeClass> free_classes, const Participant
   problem.all = problem.classes[0].domain;
   problem.site_capacity = problem.classes[0].site_capacity;
   if (gathered.start.size() > problem.classes[0].count) {
-    problem.all = std::make_shared<const SurfaceDomain>(union_part.surface, Cells::kConnected,
-                                                        /*sides=*/nullptr, EmptyFaces::kLeft);
+    problem.all = domain_of(union_part.surface);
     problem.site_capacity = union_part.share * problem.all->density_unit();
   }
   Objective objective =

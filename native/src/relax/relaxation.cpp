@@ -218,8 +218,7 @@ Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Context* conte
 /// Move free sites on density 0 to positive density if that is near, or remove them. One site
 /// always stays, because new ones are inserted beside others.
 void Relaxation::lead_to_density(Region& region, const Context* context) {
-  const SurfaceDomain domain(region.part.surface(), Cells::kConnected,
-                             /*sides=*/nullptr, EmptyFaces::kLeft);
+  const auto domain = domain_of(region.part.surface());
   const auto is_open = [&](std::size_t k) {
     const Region::Member& member = region.members[k];
     return member.open &&
@@ -229,7 +228,7 @@ void Relaxation::lead_to_density(Region& region, const Context* context) {
   bool any_open = false;
   for (std::size_t k = 0; k < region.members.size(); ++k) any_open = any_open || is_open(k);
   const std::vector<std::size_t> stay =
-      lead_near_ones(region.part.surface(), domain, region.sites,
+      lead_near_ones(region.part.surface(), *domain, region.sites,
                      {region.fixed(), kNear * surface_.spacing(given_), !any_open}, context);
   store(region, region.sites);
   take_out(stay, region);
@@ -255,9 +254,8 @@ void Relaxation::balance(Region& region, Context* context) {
   if (options_.count && free_count() == given_ && static_cast<double>(*options_.count) <= most)
     return rebalance_all(region, context);
   const std::size_t beside_locked = lacking_beside_locked(shared, wanted);
-  const SurfaceDomain domain(region.part.surface(), Cells::kConnected,
-                             /*sides=*/nullptr, EmptyFaces::kLeft);
-  Thinned found = thin_out(region.part.surface(), domain, region.sites,
+  const auto domain = domain_of(region.part.surface());
+  Thinned found = thin_out(region.part.surface(), *domain, region.sites,
                            {region.free(), wanted, std::move(diagram)}, context);
   report_.evaluations += found.evaluations;
   found.lacking += beside_locked;
@@ -279,10 +277,9 @@ bool Relaxation::is_spread(const Region& region, const RestrictedVoronoi& diagra
 
 /// All sites may move, and each neighborhood gets its number of sites, as in resampling.
 void Relaxation::rebalance_all(Region& region, Context* context) {
-  const SurfaceDomain domain(region.part.surface(), Cells::kConnected,
-                             /*sides=*/nullptr, EmptyFaces::kLeft);
+  const auto domain = domain_of(region.part.surface());
   const Rebalanced found =
-      rebalance(domain, region.sites, options_.count.value_or(0), options_.seed, context);
+      rebalance(*domain, region.sites, options_.count.value_or(0), options_.seed, context);
   report_.evaluations += found.evaluations;
   take_out(found.stay, region);
   add(found.fresh, region);
@@ -290,14 +287,13 @@ void Relaxation::rebalance_all(Region& region, Context* context) {
 
 /// The cells before insertions and removals; stores the target capacity.
 RestrictedVoronoi Relaxation::first_cells(const Region& region, Context* context) {
-  const SurfaceDomain domain(region.part.surface(), Cells::kConnected,
-                             /*sides=*/nullptr, EmptyFaces::kLeft);
+  const auto domain = domain_of(region.part.surface());
   RestrictedVoronoi diagram =
-      in_stage(context, Stage::kCells, [&] { return domain.cells(region.sites, context); });
+      in_stage(context, Stage::kCells, [&] { return domain->cells(region.sites, context); });
   ++report_.evaluations;
   capacity_ = capacity_around(region, diagram);
   if (capacity_ == 0.0)
-    capacity_ = capacity_elsewhere() * (domain.density_unit() / surface_.ordered().density_unit());
+    capacity_ = capacity_elsewhere() * (domain->density_unit() / surface_.ordered().density_unit());
   share_ = capacity_;
   return diagram;
 }
@@ -424,8 +420,7 @@ void Relaxation::add(const Sites& fresh, Region& region) {
 /// Minimize over the free sites of a region.
 /// \return the sites at its border whose cells are uneven afterward
 Relaxation::Indices Relaxation::even_out(const Region& region, Context* context) {
-  const auto domain = std::make_shared<const SurfaceDomain>(
-      region.part.surface(), Cells::kConnected, /*sides=*/nullptr, EmptyFaces::kLeft);
+  const auto domain = domain_of(region.part.surface());
   const Minimum found = minimum(region, domain, context);
   store(region, found.state.sites);
   note(region, found);
@@ -488,12 +483,11 @@ void Relaxation::measure_all(const Region& region, const Minimum& found) {
   std::iota(mine.begin(), mine.end(), 0);
   const Sites sites = select(found.state.sites, mine);
   for (const std::int32_t face : sites.faces) faces.push_back(region.part.outside(face));
-  const SurfaceDomain domain(region.part.surface(), Cells::kConnected,
-                             /*sides=*/nullptr, EmptyFaces::kLeft);
+  const auto domain = domain_of(region.part.surface());
   const Energy& energy = own_energy(found);  // in units of the part's share
   static_cast<Quality&>(report_) =
-      measure(domain, energy, sites, surface_.normals(faces, sites.barycentric));
-  const double owned = domain.capacity() * owned_share(energy.diagram, domain.capacity());
+      measure(*domain, energy, sites, surface_.normals(faces, sites.barycentric));
+  const double owned = domain->capacity() * owned_share(energy.diagram, domain->capacity());
   report_.energy = static_cast<double>(sites.size()) * energy.total / owned / owned -
                    options_.optimizer.capacity_weight;
 }

@@ -125,4 +125,9 @@ std::vector<OrderedFace> without_holes(const Surface& surface, std::vector<Order
   return faces;
 }
 
+std::shared_ptr<const SurfaceDomain> domain_of(const Surface& part) {
+  return std::make_shared<const SurfaceDomain>(part, Cells::kConnected, /*sides=*/nullptr,
+                                               EmptyFaces::kLeft);
+}
+
 }  // namespace dapple

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <dapple/context.hpp>
+#include <dapple/domain.hpp>
 #include <dapple/surface.hpp>
+#include <memory>
 
 #include "surface/ordered_face.hpp"
 
@@ -30,6 +32,10 @@ class SurfacePart {
   std::vector<std::int32_t> outside_;
   std::vector<std::int32_t> inside_;
 };
+
+/// The domain on the surface of a part: its two sides are not taken apart, and faces without
+/// density far from all sites belong to no cell.
+[[nodiscard]] std::shared_ptr<const SurfaceDomain> domain_of(const Surface& part);
 
 /// The faces together with the holes that they enclose: faces from which every path outward crosses
 /// them.
