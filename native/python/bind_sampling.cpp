@@ -143,8 +143,7 @@ void bind_reports(py::module_& m) {
                     "Tracker: parts into which the frame was split because the surface moves far.")
       .def_readonly("converged", &Report::converged,
                     "False if the evaluations ran out first, or no step reached the predicted "
-                    "decrease and another "
-                    "start might lead lower.")
+                    "decrease and another start might lead lower.")
       .def_readonly("seconds", &Report::seconds, "Wall time.")
       .def_property_readonly(
           "profile", [](const Report& r) { return profile_dict(r.profile); },

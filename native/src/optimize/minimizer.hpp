@@ -18,6 +18,12 @@ struct Minimum {
   int iterations = 0;
   bool settled = false;    ///< no further decrease: converged, or no step was found
   bool converged = false;  ///< see OptimizerResult
+
+  /// Count the work of another minimization too.
+  void count(const Minimum& other) {
+    evaluations += other.evaluations;
+    iterations += other.iterations;
+  }
 };
 
 /// Data of a frame of a deforming surface.

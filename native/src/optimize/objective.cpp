@@ -18,7 +18,7 @@ constexpr double kMostRoom = 0.5;  // share of other sites' capacity that large 
 
 /// kappa (|S|_phi / n)^2
 double repulsion_weight(const Term& term, std::size_t count) {
-  const double share = term.capacity(count) / static_cast<double>(std::max<std::size_t>(count, 1));
+  const double share = term.mean_capacity(count);
   return term.repulsion_weight * share * share;
 }
 
@@ -208,8 +208,7 @@ void check_finite_energy(const Objective& objective, const Evaluation& state) {
 double local_spacing(const Objective& objective, const Evaluation& state, std::size_t term,
                      std::size_t k) {
   const std::vector<Moments>& cells = state.parts[term].energy.diagram.cells;
-  return local_spacing(
-      cells[k], objective.terms[term].capacity(cells.size()) / static_cast<double>(cells.size()));
+  return local_spacing(cells[k], objective.terms[term].mean_capacity(cells.size()));
 }
 
 void shrink_radii(Objective& objective, Evaluation& state) {
@@ -240,8 +239,7 @@ std::vector<double> energy_shares(const Objective& objective, const Evaluation& 
       return static_cast<std::size_t>(members.empty() ? k : members[static_cast<std::size_t>(k)]);
     };
     const double scale = objective.scale(t, cells.size());
-    const double mean =
-        objective.terms[t].capacity(cells.size()) / static_cast<double>(cells.size());
+    const double mean = objective.terms[t].mean_capacity(cells.size());
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const std::vector<double>& wanted = objective.terms[t].wanted;
       const double excess = cells[k].capacity - (wanted.empty() ? mean : wanted[k]);
@@ -301,7 +299,7 @@ void give_room(Objective& objective, Evaluation& state) {
   if (objective.discs.empty()) return;
   const double least = *std::min_element(objective.discs.begin(), objective.discs.end());
   const std::vector<Moments>& cells = state.diagram().cells;
-  const double mean = objective.terms[0].capacity(cells.size()) / static_cast<double>(cells.size());
+  const double mean = objective.terms[0].mean_capacity(cells.size());
   std::vector<double> wanted(cells.size(), mean);
   double more = 0.0, others = 0.0;
   for (std::size_t k = 0; k < cells.size(); ++k) {

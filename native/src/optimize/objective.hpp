@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <dapple/energy.hpp>
 
 #include "optimize/discs.hpp"
@@ -22,6 +23,10 @@ struct Term {
   /// The capacity of all cells, if there are so many sites.
   [[nodiscard]] double capacity(std::size_t sites) const {
     return site_capacity > 0.0 ? site_capacity * static_cast<double>(sites) : domain->capacity();
+  }
+  /// Of one of them, on average.
+  [[nodiscard]] double mean_capacity(std::size_t sites) const {
+    return capacity(sites) / static_cast<double>(std::max<std::size_t>(sites, 1));
   }
 };
 

@@ -15,7 +15,7 @@ constexpr double kEmpty = 1e-6;  // of the mean capacity: such cells may result 
 
 /// The capacity of the smallest cell that does not count as empty, for a nonempty term.
 double least_capacity(const Objective& objective, std::size_t term, std::size_t sites) {
-  return kEmpty * objective.terms[term].capacity(sites) / static_cast<double>(sites);
+  return kEmpty * objective.terms[term].mean_capacity(sites);
 }
 
 class Reinserter {

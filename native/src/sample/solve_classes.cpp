@@ -106,8 +106,7 @@ void settle_alone(const ClassProblem& problem, const ClassOptions& options, Site
         minimize(make_objective(alone, class_of_sites(alone), options, locked_sites(alone)),
                  select(sites, members), options.sample.optimizer, step.context());
     put(sites, members, found.state.sites);
-    sum.evaluations += found.evaluations;
-    sum.iterations += found.iterations;
+    sum.count(found);
   }
 }
 
@@ -196,8 +195,7 @@ void go_on_along(ClassMinimum& found, OptimizerOptions options, Context* context
   }
   options.tolerance *= kThin;
   Minimum next = minimize(found.objective, found.minimum.state.sites, options, context);
-  next.evaluations += found.minimum.evaluations;
-  next.iterations += found.minimum.iterations;
+  next.count(found.minimum);
   next.converged = next.converged || found.minimum.converged;
   found.minimum = std::move(next);
   end_apart(found.objective, options, found.minimum, nullptr);
@@ -215,9 +213,12 @@ bool is_plain(const ClassProblem& problem, const ClassOptions& options) {
 bool is_uneven(const ClassProblem& problem, const OptimizerOptions& options,
                const ClassMinimum& found) {
   const double loose = std::max(1.0, options.tolerance / OptimizerOptions().tolerance);
-  const double whole = whole_count_variation(*problem.all, found.minimum.state.sites);
-  return capacity_variation(found.objective, found.minimum.state) >
-         std::hypot(kUneven * std::sqrt(loose), whole);
+  const double uneven = kUneven * std::sqrt(loose);
+  const double variation = capacity_variation(found.objective, found.minimum.state);
+  // On even surfaces nobody has to look for islands.
+  return variation > uneven &&
+         variation >
+             std::hypot(uneven, whole_count_variation(*problem.all, found.minimum.state.sites));
 }
 
 /// Where parts are hardly connected, as on machines and characters made of parts, steps end at a
@@ -290,8 +291,7 @@ class InTurn {
     rough.tolerance = std::max(kRough, rough.tolerance);
     rough.max_evaluations = (evaluations_left(rough, sum_) + 1) / 2;
     const ClassMinimum found = solve(std::move(objective), sites, rough, solving.context());
-    sum_.evaluations += found.minimum.evaluations;
-    sum_.iterations += found.minimum.iterations;
+    sum_.count(found.minimum);
     keep(now, group, found.minimum.state.sites);
   }
 
@@ -355,8 +355,7 @@ ClassMinimum solve_in_turn(const ClassProblem& problem,
   rest.tolerance *= kPolish;
   ClassMinimum found = solve(std::move(objective), turn.sites(), rest, together.context());
   if (turn.thin()) go_on_along(found, options.sample.optimizer, going_on.context());
-  found.minimum.evaluations += turn.sum().evaluations;
-  found.minimum.iterations += turn.sum().iterations;
+  found.minimum.count(turn.sum());
   return found;
 }
 
@@ -381,8 +380,7 @@ ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptio
     rest.max_evaluations = evaluations_left(options, found);
     Minimum next = minimize(objective, discs_apart(objective, found.state.sites, context), rest,
                             harder.context());
-    next.evaluations += found.evaluations;
-    next.iterations += found.iterations;
+    next.count(found);
     found = std::move(next);
   }
   return {std::move(objective), std::move(found)};
@@ -416,8 +414,7 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
             options.sample.optimizer, finishing.context());
   if (thin) go_on_along(found, options.sample.optimizer, going_on.context());
   if (is_plain(problem, options)) move_over(problem, options, found, moving.context());
-  found.minimum.evaluations += before.evaluations;
-  found.minimum.iterations += before.iterations;
+  found.minimum.count(before);
   return found;
 }
 

@@ -167,8 +167,7 @@ Stipples solve_stipple(std::span<const Image> inks, std::span<const std::size_t>
   Stretch finishing(context, together, 1.0);
   if (many) settle_alone(problem, rough(chosen), start, before, alone.context());
   ClassMinimum found = solve(objective, start, options.optimizer, finishing.context());
-  found.minimum.evaluations += before.evaluations;
-  found.minimum.iterations += before.iterations;
+  found.minimum.count(before);
   const StageSpan reporting(context, Stage::kReporting);
   Stipples result;
   for (const Vec3& x : found.minimum.state.sites.positions)
