@@ -14,7 +14,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from benchmarks.outside.__main__ import EDGE, figure
 from benchmarks.remesh.lines_picture import SAMPLES, add_balls, add_body
-from benchmarks.remesh.picture import STEP, set_scene
+from benchmarks.remesh.picture import STEP, render, set_scene
 
 COUNT = 1500
 SIZE = 3.4  # of the figure, which becomes 1
@@ -39,11 +39,7 @@ def main(out: str) -> None:
         add_body(vertices / SIZE + shift, faces[behind])
         add_balls(positions[positions[:, 1] > -SLAB] / SIZE + shift)
     set_scene(2)
-    render = bpy.context.scene.render
-    bpy.context.scene.cycles.samples = SAMPLES
-    render.resolution_x, render.resolution_y = 1000, 480
-    render.image_settings.file_format, render.filepath = "WEBP", out
-    bpy.ops.render.render(write_still=True)
+    render(out, 1000, 480, SAMPLES)
 
 
 if __name__ == "__main__":

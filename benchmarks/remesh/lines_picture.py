@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-from benchmarks.remesh.picture import STEP, material, set_scene, upright
+from benchmarks.remesh.picture import STEP, material, render, set_scene, upright
 
 RADIUS = 0.01
 WAYS: tuple[tuple[int, int, dict[str, Any]], ...] = (
@@ -65,11 +65,7 @@ def main(out: str, *paths: str) -> None:
         add_body(both[: len(mesh.vertices)], mesh.faces)
         add_balls(both[len(mesh.vertices) :])
     set_scene(len(WAYS))
-    render = bpy.context.scene.render
-    bpy.context.scene.cycles.samples = SAMPLES
-    render.resolution_x, render.resolution_y = 1500, 540
-    render.image_settings.file_format, render.filepath = "WEBP", out
-    bpy.ops.render.render(write_still=True)
+    render(out, 1500, 540, SAMPLES)
 
 
 if __name__ == "__main__":

@@ -67,9 +67,17 @@ def set_scene(bodies: int) -> None:
     scene.world = bpy.data.worlds.new("World")
     scene.world.use_nodes = True
     scene.world.node_tree.nodes["Background"].inputs[0].default_value = (0.8, 0.8, 0.8, 1.0)
-    scene.render.engine, scene.cycles.samples = "CYCLES", SAMPLES
+    scene.render.engine = "CYCLES"
     scene.view_settings.view_transform = "Standard"
-    scene.render.resolution_x, scene.render.resolution_y = SIZE
+
+
+def render(out: str, width: int, height: int, samples: int) -> None:
+    """Write the scene as WebP."""
+    scene = bpy.context.scene
+    scene.cycles.samples = samples
+    scene.render.resolution_x, scene.render.resolution_y = width, height
+    scene.render.image_settings.file_format, scene.render.filepath = "WEBP", out
+    bpy.ops.render.render(write_still=True)
 
 
 def main(out: str, *meshes: str) -> None:
@@ -90,9 +98,7 @@ def main(out: str, *meshes: str) -> None:
         add(path.stem, both[:first], old.faces, place)
         add(f"{path.stem} remeshed", both[first:], new.faces, place + STEP)
     set_scene(2 * len(meshes) // 3)
-    render = bpy.context.scene.render
-    render.image_settings.file_format, render.filepath = "WEBP", out
-    bpy.ops.render.render(write_still=True)
+    render(out, *SIZE, SAMPLES)
 
 
 if __name__ == "__main__":
