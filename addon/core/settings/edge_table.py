@@ -6,7 +6,8 @@ import math
 from .descriptors import Kind, Setting
 
 ON_EDGES = "EDGES"
-KINDS = ("edge_creases", "edge_borders", "edge_seams", "edge_sharp", "edge_materials")
+MARKS = ("edge_seams", "edge_sharp", "edge_materials")
+KINDS = ("edge_creases", "edge_borders", *MARKS)
 EDGES = (
     Setting(
         "scatter_on",

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .density_table import settings_of_term
-from .edge_table import ON_EDGES
+from .edge_table import MARKS, ON_EDGES
 from .fields import BakeFields, ClassFields, DensityFields, SolutionFields, TileFields
 from .solver_options import SAMPLE, TRACKED
 
@@ -73,8 +73,7 @@ def marks_of(settings: Settings) -> tuple[str, ...]:
 
     Creases and borders are no marks: they follow from the shape.
     """
-    marks = ("edge_seams", "edge_sharp", "edge_materials")
-    return tuple(name for name in marks if settings.on_edges and getattr(settings, name))
+    return tuple(name for name in MARKS if settings.on_edges and getattr(settings, name))
 
 
 @dataclass(frozen=True)

@@ -95,8 +95,7 @@ def _check(settings: Settings) -> None:
 
 
 def _listed(settings: Settings) -> str:
-    found = [label for label in _labels(name for name in KINDS if getattr(settings, name))]
-    text = ", ".join(found)
+    text = ", ".join(_labels(name for name in KINDS if getattr(settings, name)))
     if settings.edge_creases:
         text += f" (Crease Angle is {math.degrees(settings.edge_angle):.3g} degrees)"
     return text
