@@ -26,6 +26,7 @@ COUNTS = {
     "city": 200,
     "decals": 30,
     "edges": 80,
+    "trimmed": 40,
     "remeshed": 800,
     "scales": 120,
 }

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import bpy
 
 from ...core.density.colors import Colored
+from ...core.density.counts import values_of
 from ...core.settings.density_table import ALL
 from ...core.settings.values import Settings
 from ..base.translation import item_label, translated
@@ -33,9 +34,9 @@ def request_of(obj: bpy.types.Object) -> Request:
     term = obj.dapple.density.shown_term
     alone, density = term != ALL, ""
     if alone:
-        settings = replace(settings, density=settings.density.alone(term))
+        settings = replace(settings, density=settings.density.alone(term), object_types=())
     elif 0 <= at < len(settings.object_types):
-        density = settings.object_types[at].density
+        density = values_of(settings)[at]
     camera = b""
     if settings.density.use_camera_view:
         camera = read_camera(bpy.context.evaluated_depsgraph_get()).tobytes()

@@ -9,7 +9,7 @@ from bpy.props import EnumProperty
 from mathutils import Vector
 
 from ...core.base.errors import ScatterError
-from ...core.solve.class_counts import class_counts, with_area
+from ...core.density.counts import class_counts, with_area
 from ...core.solve.stale import changed_settings
 from ...core.surface.arrays import Floats, Ints
 from ...core.surface.sources import sources_from

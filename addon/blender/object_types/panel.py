@@ -3,6 +3,7 @@
 
 import bpy
 
+from ...core.settings.edge_table import ON_EDGES
 from ..base.panel_values import CachedValue
 from ..base.translation import translated
 from ..scatter.panel import ScatterPanel
@@ -132,6 +133,9 @@ def _draw_class(layout: bpy.types.UILayout, kind: bpy.types.AnyType) -> None:
     part.active = not kind.radius_from_bounds
     part.prop(kind, "radius")
     row.prop(kind, "radius_from_bounds", text="", icon="PIVOT_BOUNDBOX")
+    part = layout.row()
+    part.active = kind.radius > 0.0 and kind.id_data.dapple.scatter_on != ON_EDGES
+    part.prop(kind, "borders")
     layout.prop(kind, "density")
 
 

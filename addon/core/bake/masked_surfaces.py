@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from ..density.counts import shrunk
 from ..density.masked_surface import MaskedSurface, masked_surface_of
 from ..density.terms import has_mask, names_of
 from ..settings.values import DensitySettings, Settings, materials_of
-from ..solve.class_counts import clearances, shrunk
+from ..solve.class_counts import clearances
 from ..surface.arrays import Floats, Ints, SurfaceArrays, Surroundings
 from ..surface.records import Placed
 from ..surface.sources import value_roles

@@ -5,16 +5,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.errors import ScatterError
 from ..base.native import package
 from ..settings.values import MARKED, Settings
 from ..surface.arrays import Floats, SurfaceArrays
 from ..surface.frames import SMOOTH, shaded
+from .counts import cleared_name, shrunk
 from .terms import density_of, fields_of
 
 if TYPE_CHECKING:
     from dapple3d.density import MaskedSurface as MaskedSurface
 else:
     MaskedSurface = Any  # the package may be missing
+
+_LEAST = 1e-12  # least distance from a border, where others leave discs of no size
 
 
 def masked_surface_of(
@@ -42,7 +46,7 @@ def masked_surface_of(
     count, around = settings.count, arrays.around
     if settings.per_area:
         count = round(settings.per_area * surface.area)
-    return package().density.MaskedSurface(
+    masked = package().density.MaskedSurface(
         surface,
         fields_of(arrays, settings.density, first),
         count=count,
@@ -56,6 +60,29 @@ def masked_surface_of(
         rest=None if first is None else first.vertices,
         context=context,
     )
+    _clear_borders(masked, settings)
+    return masked
+
+
+def _clear_borders(masked: MaskedSurface, settings: Settings) -> None:
+    """Keep the discs of object types inside the border.
+
+    Raises:
+        ScatterError: there is no room for an object type.
+    """
+    if settings.on_edges or not any(kind.stays_inside for kind in settings.object_types):
+        return
+    sized = shrunk(settings, masked.surface).object_types
+    for index, kind in enumerate(settings.object_types):
+        if not kind.stays_inside:
+            continue
+        distance = max(sized[index].radius, _LEAST)
+        masked.clear_borders({cleared_name(index): (kind.density, distance)})
+        if masked.cleared_share(cleared_name(index)) == 0.0:
+            raise ScatterError(
+                f"Object type {index + 1} has no room: no place is {distance:.3g} away from the "
+                "border. Reduce its Radius, or set its Borders to Keep"
+            )
 
 
 def shares(masked: MaskedSurface, densities: Floats) -> Floats:

@@ -5,6 +5,8 @@ import math
 
 from .descriptors import Changes, Kind, Setting
 
+KEEP, REMOVE = "KEEP", "REMOVE"  # of Borders
+
 INSTANCES = (
     Setting(
         "instance",
@@ -203,6 +205,24 @@ CLASS = (
         "The radius is that of the largest instance, and follows its bounds and scale. With Fit to "
         "Spacing it becomes smaller where there is not enough room, and instances with it",
         Changes.INDIRECTLY,
+    ),
+    Setting(
+        "borders",
+        Kind.CHOICE,
+        KEEP,
+        "Borders",
+        "What becomes of instances that would stick out over the border of the surface, or into "
+        "areas without density, by their Radius",
+        choices=(
+            (KEEP, "Keep", "They stay: points may be up to the border"),
+            ("MOVE_IN", "Move In", "All points keep the radius as distance from the border"),
+            (
+                REMOVE,
+                "Remove",
+                "Points that would be nearer to the border are left out; there are fewer, and "
+                "the others keep their distances",
+            ),
+        ),
     ),
 )
 TILES = (

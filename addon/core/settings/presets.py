@@ -92,6 +92,7 @@ def _type_with(own: dict[str, Any]) -> ClassSettings:
         weight=0.0 if values["use_count"] else values["weight"],
         density=values["density"],
         radius=radius,
+        borders=values["borders"],
         max_clearance=radius,
         shrinks=values["radius_from_bounds"] and values["fit_to_spacing"] == 1.0,
     )

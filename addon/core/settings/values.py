@@ -7,6 +7,7 @@ from typing import Any
 from .density_table import settings_of_term
 from .edge_table import MARKS, ON_EDGES
 from .fields import BakeFields, ClassFields, DensityFields, SolutionFields, TileFields
+from .instance_table import KEEP
 from .solver_options import SAMPLE, TRACKED
 
 
@@ -17,6 +18,11 @@ class ClassSettings(ClassFields):
     count: int = 0  # exactly so many; 0: by its share
     max_clearance: float = 0.0  # that its instances are fitted to; 0: no limit
     shrinks: bool = False  # where its discs would not fit: then its instances are smaller too
+
+    @property
+    def stays_inside(self) -> bool:
+        """Whether its discs do not stick out over borders."""
+        return self.borders != KEEP and self.radius > 0.0
 
 
 @dataclass(frozen=True)

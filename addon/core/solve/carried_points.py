@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.native import package
+from ..density.counts import values_of
 from ..density.masked_surface import MaskedSurface
 from ..settings.values import Settings
 from ..surface.arrays import Floats, Ints, SurfaceArrays
@@ -61,7 +62,7 @@ def carried_points(
         if vertices is not solved.arrays.vertices:
             surface = surface.deformed(vertices)
         changed: Ints = package().changed_faces(surface, masked.surface)
-        for name in _densities(settings):
+        for name in sorted(set(values_of(settings)) - {""}):
             other = solved.masked.corner_density(name) != masked.corner_density(name)
             changed = np.union1d(changed, np.flatnonzero(other.any(axis=1))).astype(np.int32)
         samples = solved.samples
@@ -107,15 +108,16 @@ def _changed_pieces(
 ) -> Ints:
     """Refined faces whose density or shape changed."""
     names = _densities(settings)
-    now = _pieces(masked, arrays, names)
-    same = np.isin(now, _pieces(before, old, names))
+    own = sorted(set(values_of(settings)) - {""})
+    now = _pieces(masked, arrays, own)
+    same = np.isin(now, _pieces(before, old, own))
     alike = (old.vertices == arrays.vertices).all(axis=1)[arrays.faces].all(axis=1)
     alike &= (before.own_density == masked.own_density).all(axis=1)
     for name in names:
         alike &= (_of_faces(old, name) == _of_faces(arrays, name)).all(axis=1)
-    parents = before.pieces[0][~_is_plain(before)]
+    parents = before.pieces[0][~_is_plain(before, settings)]
     alike[parents] = False
-    same |= _is_plain(masked) & alike[masked.pieces[0]]  # only the refinement differs
+    same |= _is_plain(masked, settings) & alike[masked.pieces[0]]  # only the refinement differs
     return np.flatnonzero(~same).astype(np.int32)
 
 
@@ -126,11 +128,15 @@ def _of_faces(arrays: SurfaceArrays, name: str) -> Floats:
     return np.broadcast_to(found, arrays.faces.shape)
 
 
-def _is_plain(masked: MaskedSurface) -> NDArray[np.bool_]:
-    """Which refined faces (m,) have the density of their original face."""
+def _is_plain(masked: MaskedSurface, settings: Settings) -> NDArray[np.bool_]:
+    """Which refined faces (m,) have the density of their original face, for all classes."""
     parents, corners = masked.pieces
     values = np.einsum("mkc,mc->mk", corners, masked.own_density[parents])
     found: NDArray[np.bool_] = np.isclose(masked.corner_density(), values, atol=0.0).all(axis=1)
+    for name, kind in zip(values_of(settings), settings.object_types, strict=True):
+        if name != kind.density:
+            own = masked.corner_density(name) == masked.corner_density(kind.density)
+            found &= own.all(axis=1)
     return found
 
 

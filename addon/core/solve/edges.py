@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..base.errors import ScatterError
 from ..base.native import package
+from ..density.counts import MOST_POINTS, class_counts
 from ..density.masked_surface import MaskedSurface
 from ..settings.edge_table import KINDS
 from ..settings.tables import SCATTER
@@ -18,7 +19,6 @@ from ..surface.arrays import Floats, Ints, SurfaceArrays
 from ..surface.binding import binding_of
 from ..surface.frames import frames, shading
 from ..surface.records import Binding
-from .class_counts import MOST_POINTS, class_counts
 
 _PROBES = 2000  # points at which the density along the edges is averaged
 _ON_EDGE = 1e-9  # largest weight of the corner opposite to the edge that a point is on

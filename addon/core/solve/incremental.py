@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.native import named, package
+from ..density.counts import shrunk
 from ..density.masked_surface import MaskedSurface, masked_surface_of, shares
 from ..settings.values import Settings
 from ..surface.arrays import Ints, SurfaceArrays
@@ -20,7 +21,7 @@ from ..surface.binding import binding_of, samples_of
 from ..surface.frames import carried, pointing, shading
 from ..surface.records import Binding, own_random
 from .carried_points import SAME_PLACE, PreviousResult, carried_points, cut_alike, edited_faces
-from .class_counts import clearances, shrunk, wanted_counts
+from .class_counts import clearances, wanted_counts
 from .figures import Details, details_of
 from .locked import Locked
 from .relaxation import Relaxer, locked_rows, old_rows, staying

@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from ..base.errors import ScatterError
 from ..base.native import named, package
+from ..density.counts import shrunk
 from ..density.masked_surface import MaskedSurface, masked_surface_of, shares
 from ..settings.values import Settings
 from ..surface.arrays import Floats, Ints, SurfaceArrays
 from ..surface.binding import binding_of, bound_nearest
 from ..surface.frames import carried, pointing, shading
 from ..surface.records import Binding, Columns, own_random, unbound
-from .class_counts import clearances, sampled, shrunk
+from .class_counts import clearances, sampled
 from .edges import bound_on_edges, counts_on_edges, dealt, sampled_on_edges
 from .figures import Details, details_of
 from .locked import Locked, kept_ids, rows_of

@@ -17,7 +17,7 @@ from ..settings.density_table import DENSITY
 from ..settings.descriptors import DATA_BLOCKS, Changes, Kind
 from ..settings.edge_table import EDGES, ON_EDGES
 from ..settings.solver_options import MOTION, SAMPLE
-from ..settings.values import BakeSettings, Settings
+from ..settings.values import BakeSettings, ClassSettings, Settings
 from ..surface.arrays import Floats, SurfaceArrays, turn_of
 from ..surface.records import own_random
 
@@ -115,7 +115,8 @@ def _solved_class(kind: Any) -> Any:
     """The values of an object type that affect a solution."""
     if not isinstance(kind, dict):
         return kind
-    own = {name: value for name, value in kind.items() if name != "max_clearance"}
+    own = asdict(ClassSettings()) | kind  # a missing setting is newer than the file
+    del own["max_clearance"]
     more = {"density": bool(kind.get("density")), "shrinks": bool(kind.get("shrinks"))}
     return own | more
 

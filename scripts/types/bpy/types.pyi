@@ -151,6 +151,7 @@ class DAPPLE_PG_object_type(_Open):
     density: str
     radius: float
     radius_from_bounds: bool
+    borders: str
     instance: Any
     collection: Any
     use_weights: bool

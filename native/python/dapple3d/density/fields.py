@@ -28,11 +28,13 @@ class Field:
     coarseness: how much longer the edges of faces may be than at a sharp change.
     rides: whether the field belongs to the surface, and is looked up where that is at rest.
     blocks: whether faces that reach where the field is 0 are cut as `refine_obstacles` does it.
+    bounds: whether places where the field is 0 have a border: `MaskedSurface.clear_borders`.
     """
 
     coarseness: float = 1.0
     rides: bool = False
     blocks: bool = False
+    bounds: bool = True
 
     def values(self, points: Floats) -> Floats:
         """Factors (n,), >= 0, at points (n, 3)."""
@@ -100,6 +102,38 @@ class Distance(RangeField):
 
     def at(self, points: Floats) -> Floats:
         return self._nearest.distances(points)
+
+
+class Clearance(Distance):
+    """1 at a distance from segments, 0 on all faces that reach nearer; it rides on the surface.
+
+    The square of a distance minus |x|^2 is the smallest of linear functions, so it is concave. In a
+    triangle with a longest edge h and corners at least as far as c, the squared distance is
+    therefore at least c^2 - h^2 / 3.
+    """
+
+    def __init__(self, segments: Floats, distance: float) -> None:
+        super().__init__(Range(low=distance), Nearest((), segments), rides=True)
+        self._distance = distance
+
+    def changes(self, points: Floats, faces: Ints) -> Flags:
+        farthest, longest = (
+            self._looked_up(points)[faces].max(axis=1),
+            _longest_edges(points[faces]),
+        )
+        farthest += np.where(longest > 0.5 * self._distance, self.beyond(longest), 0.0)
+        found: Flags = ~self._is_clear(points, faces) & (farthest >= self._distance)
+        return found
+
+    def at_corners(self, points: Floats, faces: Ints) -> Floats:
+        clear = self._is_clear(points, faces).astype(np.float64)
+        found: Floats = np.broadcast_to(clear[:, None], (len(faces), 3))
+        return found
+
+    def _is_clear(self, points: Floats, faces: Ints) -> Flags:
+        nearest = self._looked_up(points)[faces].min(axis=1)
+        found: Flags = nearest**2 >= self._distance**2 + _longest_edges(points[faces]) ** 2 / 3.0
+        return found
 
 
 class Noise(RangeField):
@@ -187,6 +221,8 @@ class Camera(Field):
     Raises:
         ValueError: clip has another shape.
     """
+
+    bounds = False
 
     def __init__(self, clip: ArrayLike, margin: float = 0.0) -> None:
         clip = shaped("clip", clip, 4, 4)

@@ -33,7 +33,8 @@ from .arrays import (
     product,
     shaped,
 )
-from .fields import Field, needs_cut
+from .fields import Clearance, Field, needs_cut
+from .nearest import border_edges
 from .pictures import Tile, crossing, filled_share, laid_out, reduced, repeats, texture_area
 
 _FINE = 0.3  # longest edge where a density changes within faces, in spacings
@@ -65,6 +66,14 @@ class _Skin:
             and np.array_equal(self.surface.vertices, surface.vertices)
             and np.array_equal(self.surface.faces, surface.faces)
         )
+
+
+@dataclass(frozen=True)
+class _Cleared:
+    """Values of a class that are 0 near their border."""
+
+    values: str  # name of the values that they are without it; '' for none
+    clearance: Clearance | None  # None: there is no border
 
 
 class MaskedSurface:
@@ -125,7 +134,9 @@ class MaskedSurface:
         self._values, self._rest = values or {}, rest
         self._refined: Refined | None = None
         self._skin: _Skin | None = None
-        count = min(max(count, _COUNTS[0]), _COUNTS[1])
+        self._cleared: dict[str, _Cleared] = {}
+        self._boundless = [field for field in fields if not field.bounds]
+        self._count = count = min(max(count, _COUNTS[0]), _COUNTS[1])
         if outside is not None:
             self._leave_out_hidden(outside, count, None if like is None else like._skin)
         if fields or balls is not None:
@@ -185,9 +196,7 @@ class MaskedSurface:
         """Density (m, 3) at the corners of the faces of `surface`, times the values of that name;
         1 where it is the same everywhere.
         """
-        own, common = [], density_of(self.surface)
-        if name:
-            own.append(self._carried(self._values[name]))
+        own, common = self._values_of(name), density_of(self.surface)
         if common is not None:
             own.append(common)
         faces = self.surface.faces
@@ -197,12 +206,50 @@ class MaskedSurface:
         """Options of a `dapple.SampleClass` for the density times the values of that name; those of
         a class without a density for ''.
         """
-        if not name:
+        own, common = self._values_of(name), density_of(self.surface)
+        if not own:
             return {}
-        own, common = self._carried(self._values[name]), density_of(self.surface)
-        found = own if common is None else product([own, common], self.surface.faces)
-        values, place = placed(found)
+        terms = own if common is None else [*own, common]
+        values, place = placed(product(terms, self.surface.faces))
         return {"density": values, "density_at": place}
+
+    def clear_borders(self, wanted: Mapping[str, tuple[str, float]]) -> None:
+        """Add values for classes whose discs stay inside the border.
+
+        They are values by name, or 1, that are 0 nearer to their border than a distance: no point
+        of a class with this density and a radius of that distance sticks out. The border is that of
+        the surface, and of the places where fields, pictures and values leave no density; the frame
+        of a camera is none. Distances are straight, and those of the surface at rest. Faces are cut
+        where the values change.
+
+        >>> masked.clear_borders({"trees": ("moist", 0.3)})
+        >>> trees = dapple.SampleClass(50, radius=0.3, **masked.class_density("trees"))
+
+        Args:
+            wanted: for each new name the name of values, '' for none, and a distance > 0.
+
+        Raises:
+            ValueError: a name has values already, there are no values of a name, or a distance is
+                not > 0.
+            Cancelled
+        """
+        for name, (values, distance) in wanted.items():
+            self._check_clearance(name, values, distance)
+            border = self._border(values)
+            clearance = Clearance(border, distance) if len(border) else None
+            self._cleared[name] = _Cleared(values, clearance)
+            if clearance is not None:
+                self._cut_at(clearance)
+
+    def cleared_share(self, name: str) -> float:
+        """Share, 0 to 1, of the capacity that values of `clear_borders` leave of theirs."""
+        a, b, c = (self.surface.vertices[self.surface.faces[:, k]] for k in range(3))
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        before, after = (
+            float((areas * self.corner_density(one).mean(axis=1)).sum())
+            for one in (self._cleared[name].values, name)
+        )
+        return after / before if before > 0.0 else 0.0
 
     def density_at(self, samples: Samples) -> Floats:
         """Density (n,) at samples of `surface`; 1 where it is the same everywhere."""
@@ -214,6 +261,46 @@ class MaskedSurface:
             "nk,nk->n", samples.barycentric, np.broadcast_to(values, (len(at), 3))
         )
         return found
+
+    def _values_of(self, name: str) -> list[Floats]:
+        """The factors of the density that a name stands for; none for ''."""
+        found, cleared = [], self._cleared.get(name)
+        if cleared is not None:
+            name = cleared.values
+            if cleared.clearance is not None:
+                places = self._places([cleared.clearance])[0]
+                found.append(cleared.clearance.at_corners(places, self.surface.faces))
+        return [*found, self._carried(self._values[name])] if name else found
+
+    def _check_clearance(self, name: str, values: str, distance: float) -> None:
+        if name in self._values or name in self._cleared or not name:
+            raise ValueError(f"clear_borders '{name}': another name is needed")
+        if values and values not in self._values:
+            raise ValueError(f"clear_borders '{name}': there are no values '{values}'")
+        if not 0.0 < distance < np.inf:
+            raise ValueError(
+                f"clear_borders '{name}': the distance is {distance}: it must be finite and "
+                "greater than 0"
+            )
+
+    def _border(self, name: str) -> Floats:
+        """Edges (k, 2, 3), at rest, around the faces on which values leave a density."""
+        surface = self.surface
+        left = self.corner_density(name).max(axis=1) > 0.0
+        for field, points in zip(self._boundless, self._places(self._boundless), strict=True):
+            left |= field.at_corners(points, surface.faces).max(axis=1) == 0.0
+        vertices = surface.vertices if self._rest is None else self.vertices(self._rest)
+        return border_edges(vertices, surface.faces[left])
+
+    def _cut_at(self, clearance: Clearance) -> None:
+        """Halve the edges of the faces on which a clearance ends, until they are short."""
+        target = _FINE * _spacing(self.surface, self.corner_density(), self._count)
+
+        def long(lengths: Floats) -> Flags:
+            places = self._places([clearance])
+            return needs_cut([clearance], places, self.surface.faces, lengths, target)
+
+        self._halve(long)
 
     def _carried(self, values: Floats) -> Floats:
         """Values of the original surface, as they are on the faces of the fine one."""

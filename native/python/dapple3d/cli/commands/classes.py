@@ -16,7 +16,9 @@ from dapple3d.cli.output import Output, Source, point_options
 from dapple3d.cli.report import figures
 from dapple3d.density import MaskedSurface
 
-CLASS_METAVAR = "COUNT|spacing=S[:radius=R,density=D]"
+CLASS_METAVAR = "COUNT|spacing=S[:radius=R,density=D,borders=B]"
+BORDERS = ("keep", "move-in", "remove")
+_FIELDS = ("radius", "density", "borders")
 
 
 @dataclass(frozen=True)
@@ -27,10 +29,17 @@ class Wanted:
     spacing: float | None = None
     radius: float = 0.0
     density: str | None = None
+    borders: str = BORDERS[0]
+
+    @property
+    def stays_inside(self) -> bool:
+        """Whether its discs do not stick out over borders."""
+        return self.borders != BORDERS[0] and self.radius > 0.0
 
     def settings(self, count: int) -> dict[str, Any]:
         """The entry of a report for a class with that many points."""
         own = {"count": count, "radius": self.radius, "density": self.density}
+        own |= {"borders": self.borders} if self.stays_inside else {}
         return own | options.given({"spacing": self.spacing})
 
     def amount(self, surface: dapple.Surface) -> int:
@@ -45,11 +54,16 @@ class Wanted:
         meshes.with_density(loaded.surface, found)  # whose errors name the file
         return found
 
-    def on(self, surface: dapple.Surface, **density: Any) -> dapple.SampleClass:
-        """The class on a surface, with the options of a density if it has its own."""
+    def on(self, surface: dapple.Surface, share: float = 1.0, **density: Any) -> dapple.SampleClass:
+        """The class on a surface, with the options of a density if it has its own.
+
+        Args:
+            share: of its points that are left where others are removed.
+        """
         own = surface.with_density(**density) if density else surface
         count = options.counted(own, self.count, self.spacing)
-        return dapple.SampleClass(count, radius=self.radius, **density)
+        left = round(share * count) if self.count and self.borders == "remove" else count
+        return dapple.SampleClass(left, radius=self.radius, **density)
 
 
 def classes_on(
@@ -63,19 +77,45 @@ def classes_on(
     surface, path = loaded.surface, loaded.mesh.path
     densities = [one.density_on(loaded) for one in wanted]
     count = count or sum(one.amount(surface) for one in wanted)
-    if not source.masks.given or not wanted:
+    if not (source.masks.given and wanted) and not any(one.stays_inside for one in wanted):
         own = [one.options() if w.density else {} for one, w in zip(densities, wanted, strict=True)]
         masked = source.masks.on(surface, path, count=count)
     else:  # each class has its density: that of the surface is the masks alone
         values = {str(k): one.as_rows() for k, one in enumerate(densities) if one.source}
         masked = source.masks.on(surface.with_density(None), path, count=count, values=values)
-        own = [masked.class_density(str(k) if str(k) in values else "") for k in range(len(wanted))]
+        names = [str(k) if str(k) in values else "" for k in range(len(wanted))]
+        shares = _clear_borders(masked, wanted, names, path)
+        own = [masked.class_density(name) for name in names]
+        rows = zip(wanted, shares, own, strict=True)
+        return masked, [one.on(masked.surface, share, **density) for one, share, density in rows]
     pairs = zip(wanted, own, strict=True)
     return masked, [one.on(masked.surface, **density) for one, density in pairs]
 
 
+def _clear_borders(
+    masked: MaskedSurface, wanted: Sequence[Wanted], names: list[str], path: Path
+) -> list[float]:
+    """Keep the discs of classes inside the border: exchanges the names of their densities, and
+    returns which share of the capacity is left of each.
+
+    Raises:
+        ClickException: there is no room for a class.
+    """
+    shares = [1.0] * len(wanted)
+    for k, one in enumerate(wanted):
+        if not one.stays_inside:
+            continue
+        masked.clear_borders({f"class {k}": (names[k], one.radius)})
+        names[k], shares[k] = f"class {k}", masked.cleared_share(f"class {k}")
+        if shares[k] == 0.0:
+            raise click.ClickException(
+                f"{path}: class {k} has no room: no place is {one.radius:g} away from the border"
+            )
+    return shares
+
+
 class WantedType(click.ParamType):
-    """COUNT[:radius=R][,density=D], or spacing=S in place of COUNT."""
+    """COUNT[:radius=R][,density=D][,borders=B], or spacing=S in place of COUNT."""
 
     name = "class"
 
@@ -87,8 +127,11 @@ class WantedType(click.ParamType):
         fields: dict[str, Any] = {}
         for part in rest.split(",") if rest else ():
             key, _, text = part.partition("=")
-            if key not in ("radius", "density") or not text or key in fields:
-                self.fail(f"'{part}': radius=R or density=D is needed, each once", param, ctx)
+            if key not in _FIELDS or not text or key in fields:
+                listed = "radius=R, density=D or borders=B"
+                self.fail(f"'{part}': {listed} is needed, each once", param, ctx)
+            if key == "borders" and text not in BORDERS:
+                self.fail(f"'{part}': B is one of {', '.join(BORDERS)}", param, ctx)
             fields[key] = click.FLOAT.convert(text, param, ctx) if key == "radius" else text
         if head.startswith("spacing="):
             spacing = options.SPACING.convert(head.removeprefix("spacing="), param, ctx)
@@ -109,7 +152,9 @@ class WantedType(click.ParamType):
     help="Once for each class. S, in place of a number, is the distance between its points where "
     "the density is largest. R >= 0 keeps things apart by the sum of their radii; with 0 they are "
     "points, which stay outside the things of others. Both are in the units of MESH. D is a "
-    "density as for --density, else that of MESH.",
+    "density as for --density, else that of MESH. B says what becomes of things that would stick "
+    "out over the border of MESH, or of what masks and densities leave: keep; move-in; or remove, "
+    "which leaves out as many points as would be there.",
 )
 @point_options("sample_classes")
 def command(
@@ -125,6 +170,7 @@ def command(
       dapple classes meadow.ply plants.ply --class 800 --class 400:radius=0.02
       dapple classes meadow.ply plants.ply --class spacing=0.1 --class spacing=0.5:radius=0.1
       dapple classes meadow.npz plants.csv --class 800:density=moist --class 200
+      dapple classes floor.ply tables.csv --class 40:radius=0.5,borders=move-in
     """
     output.check(source, [mesh, *(options.density_file(one.density) for one in wanted)])
     loaded = source.load(mesh)
