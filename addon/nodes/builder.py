@@ -220,7 +220,7 @@ def new_group(
     return tree
 
 
-VERSION = 19
+VERSION = 20
 VERSION_KEY = "dapple_version"  # -VERSION for inner groups
 _PART_KEY = "dapple_part"
 

@@ -25,6 +25,7 @@ POINT_INPUTS = [
     ("First Frame", "NodeSocketInt"),
     ("Warning", "NodeSocketString"),
     ("Preview", "NodeSocketObject"),
+    ("Lean Object", "NodeSocketObject"),
 ]
 NUMBERS = (
     "Scale",
@@ -36,6 +37,8 @@ NUMBERS = (
     "Random Turn",
     "Align to Normal",
     "Random Tilt",
+    "Lean Apart",
+    "Lean Along",
     "Density Scale",
     "Offset",
 )
@@ -59,9 +62,8 @@ def _build_points() -> bpy.types.NodeTree:
     position, rotation, faded, clearance = _placed(b, found, played, early)
     position, rotation = _moved(b, found, played, position, rotation)
     position = _lifted(b, position, rotation)
-    stood = inner(
-        b, ALIGNMENT, rotation, turn, aligned, b.input("Align to Normal"), b.input("Random Tilt")
-    )
+    names = ("Align to Normal", "Lean Object", "Lean Along", "Lean Apart", "Random Tilt")
+    stood = inner(b, ALIGNMENT, rotation, turn, aligned, *map(b.input, names))
     points = _with_attributes(b, position, stood.outputs["Rotation"], faded)
     points = _with_clearance(b, points, played, clearance)
     b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
@@ -217,6 +219,9 @@ def _build_alignment() -> bpy.types.NodeTree:
             ("Turn", "NodeSocketFloat"),
             ("Aligned", "NodeSocketBool"),
             ("Align to Normal", "NodeSocketFloat"),
+            ("Lean Object", "NodeSocketObject"),
+            ("Lean Along", "NodeSocketFloat"),
+            ("Lean Apart", "NodeSocketFloat"),
             ("Random Tilt", "NodeSocketFloat"),
         ],
         [("Rotation", "NodeSocketRotation")],
@@ -224,6 +229,10 @@ def _build_alignment() -> bpy.types.NodeTree:
     b = Builder(tree)
     rotation = b.input("Rotation")
     rotation = b.switch("ROTATION", b.input("Aligned"), _upright(b, rotation), rotation)
+    alone = b.compare("EQUAL", b.input("Lean Along"), 0.0, "FLOAT")
+    rotation = b.switch("ROTATION", alone, _along(b, rotation), rotation)
+    alone = b.compare("EQUAL", b.input("Lean Apart"), 0.0, "FLOAT")
+    rotation = b.switch("ROTATION", alone, _apart(b, rotation), rotation)
     straight = b.compare("EQUAL", b.input("Random Tilt"), 0.0, "FLOAT")
     b.output("Rotation", b.switch("ROTATION", straight, _tilted(b, rotation), rotation))
     b.arrange()
@@ -239,6 +248,27 @@ def _upright(b: Builder, rotation: Socket) -> Socket:
     up = (0.0, 0.0, 1.0)
     rotation = b.out("FunctionNodeAlignRotationToVector", rotation, less, up, axis="Z")
     return b.turned(rotation, b.input("Turn"))
+
+
+def _along(b: Builder, rotation: Socket) -> Socket:
+    """The rotation, leaning to the Z axis of an object by the shortest way."""
+    info = b.node("GeometryNodeObjectInfo", b.input("Lean Object"), transform_space="RELATIVE")
+    ahead = b.out("FunctionNodeRotateVector", (0.0, 0.0, 1.0), info.outputs["Rotation"])
+    share = b.input("Lean Along")
+    return b.out("FunctionNodeAlignRotationToVector", rotation, share, ahead, axis="Z")
+
+
+def _apart(b: Builder, rotation: Socket) -> Socket:
+    """The rotation, leaning away from the neighbors. Their direction is one before the turn."""
+    away = b.attribute("dapple_apart", "FLOAT_VECTOR")
+    x, y, _ = b.parts(away)
+    axis = b.out("ShaderNodeCombineXYZ", b.number("MULTIPLY", y, -1.0), x)
+    axis = b.node("ShaderNodeVectorRotate", axis, rotation_type="Z_AXIS")
+    b.tree.links.new(b.number("MULTIPLY", b.input("Turn"), -1.0), axis.inputs["Angle"])
+    length = b.node("ShaderNodeVectorMath", away, operation="LENGTH").outputs["Value"]
+    angle = b.number("MULTIPLY", length, b.input("Lean Apart"))
+    lean = b.out("FunctionNodeAxisAngleToRotation", axis.outputs[0], angle)
+    return b.out("FunctionNodeRotateRotation", rotation, lean, rotation_space="LOCAL")
 
 
 def _tilted(b: Builder, rotation: Socket) -> Socket:

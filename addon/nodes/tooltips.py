@@ -73,6 +73,10 @@ INPUTS = {
     "Random Turn": "Maximum random rotation around the normal, as a fraction of a full turn",
     "Align to Normal": "Align instances with the surface normal (1) or with world Z (0)",
     "Random Tilt": "Maximum angle by which instances lean in a random direction, in radians",
+    "Lean Object": "Object whose Z axis gives the direction in which instances lean by Lean Along",
+    "Lean Apart": "Angle by which instances lean away from their neighbors, in radians",
+    "Lean Along": "How far instances lean to the Z axis of Lean Object, or of the world if there "
+    "is none, from 0 to 1",
     "Density Scale": "How much smaller instances are where the density is lower; negative values "
     "make them larger",
     "Offset": "Distance of the instances from the surface along its normal; negative values sink "

@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
+#include <dapple/crowding.hpp>
 #include <dapple/neighbors.hpp>
 #include <dapple/progressive.hpp>
 #include <dapple/projector.hpp>
@@ -95,6 +96,11 @@ py::array ranks_of(const py::object& points, const py::object& classes, const Co
 py::array distances_of(const py::object& points) {
   const DoubleArray places = doubles("points", points, 3);
   return give(run([&] { return nearest_distances(as_points(places)); }));
+}
+
+py::array away_of(const py::object& points) {
+  const DoubleArray places = doubles("points", points, 3);
+  return give(run([&] { return away_from_neighbors(as_points(places)); }));
 }
 
 using SamplesPtr = std::shared_ptr<Samples>;
@@ -234,6 +240,23 @@ Raises:
         far that the energy is not finite.
     Cancelled: through the context.)",
       py::arg("surface"), py::arg("samples"));
+  m.def("away_from_neighbors", &away_of, py::arg("points"),
+        R"(Where points have no neighbors, such as for plants that lean to the light.
+
+For each point the mean of the unit vectors that lead away from its neighbors, with the weights
+(1 - distance / reach)^2. Its reach is three times the distance to the nearest other point;
+neighbors are those of the 24 nearest that are within it. Weights count as at least 1 in all, so
+that one neighbor counts less than many.
+
+Args:
+    points: (n, 3) float64.
+
+Returns:
+    (n, 3) float64: short among even points, about 0.5 long at a straight border, never longer than
+    1; 0 for a point that lies on another one, or has no other.
+
+Raises:
+    ValueError: naming the first point that is not finite.)");
   m.def("nearest_distances", &distances_of, py::arg("points"),
         R"(Distance of each point to the nearest other one, in a straight line.
 

@@ -27,6 +27,7 @@ COUNTS = {
     "decals": 30,
     "edges": 80,
     "trimmed": 40,
+    "leaning": 60,
     "remeshed": 800,
     "scales": 120,
 }

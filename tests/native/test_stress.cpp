@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <dapple/crowding.hpp>
 #include <dapple/curvature.hpp>
 #include <dapple/decals.hpp>
 #include <dapple/energy.hpp>
@@ -153,6 +154,7 @@ const std::vector<Work>& works() {
         return Projector(s.surface, false, c).project(s.next, {}, c).distances;
       },
       [](const Shared& s, Context*) { return nearest_distances(s.samples.positions); },
+      [](const Shared& s, Context*) { return of(away_from_neighbors(s.samples.positions)); },
       [](const Shared& s, Context* c) {
         const auto ranks = progressive_ranks(s.samples.positions, {}, c);
         return Outcome(ranks.begin(), ranks.end());

@@ -472,6 +472,7 @@ def ranks(run: Run) -> None:
         ranks=dapple.progressive_ranks(points),
         classes=dapple.progressive_ranks(points, np.arange(800) % 3),
         nearest=dapple.nearest_distances(points),
+        away=dapple.away_from_neighbors(points),
     )
 
 

@@ -120,6 +120,7 @@ CALLS = {
     "track_window": lambda b: dapple.track_window(b.surface, b.few, [b.moved] * 5, **LONG),
     "track_pieces": lambda b: list(dapple.track_pieces(b.surface, b.few, [b.moved] * 5, **LONG)),
     "project": lambda b: many(lambda: dapple.project(b.surface, b.points)),
+    "away_from_neighbors": lambda b: many(lambda: dapple.away_from_neighbors(b.points)),
     "nearest_distances": lambda b: many(lambda: dapple.nearest_distances(b.points)),
     "progressive_ranks": lambda b: many(lambda: dapple.progressive_ranks(b.points)),
     "spectrum": lambda b: dapple.spectrum(b.points[:, :2], half_width=800),

@@ -37,6 +37,21 @@ def test_refuses_bad_arguments(points, classes, match):
         dapple.progressive_ranks(points, classes)
 
 
+def test_away_from_neighbors():
+    points = np.random.default_rng(2).random((200, 3))
+    apart = points[:, None] - points
+    far = np.linalg.norm(apart, axis=2) + np.diag(np.full(200, np.inf))
+    reach = 3.0 * far.min(axis=1)[:, None]
+    nearest = far.argsort(axis=1).argsort(axis=1) < 24
+    weights = np.where(nearest & (far < reach), (1.0 - np.minimum(far / reach, 1.0)) ** 2, 0.0)
+    np.fill_diagonal(far, 1.0)
+    sums = np.einsum("nm,nmd->nd", weights / far, apart)
+    expected = sums / np.maximum(weights.sum(axis=1), 1.0)[:, None]
+    np.testing.assert_allclose(dapple.away_from_neighbors(points), expected, atol=1e-12)
+    with pytest.raises(ValueError, match=r"points\[0\].*inf"):
+        dapple.away_from_neighbors([[0, np.inf, 0]])
+
+
 def test_nearest_distances():
     points = np.random.default_rng(2).random((200, 3))
     apart = np.linalg.norm(points[:, None] - points, axis=2) + np.diag(np.full(200, np.inf))

@@ -14,7 +14,7 @@ from .editing import edited_scatter
 from .operators import DAPPLE_OT_edit_points, DAPPLE_OT_finish_editing_points, DAPPLE_OT_lock_points
 from .tool import DAPPLE_TOOL_points
 
-_DIRECTION = ("align_to_normal", "random_turn", "random_tilt", "offset")
+_DIRECTION = ("align_to_normal", "random_turn", "random_tilt", "lean_apart", "offset")
 
 
 def draw_editing(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool:
@@ -49,6 +49,11 @@ class DAPPLE_PT_placement(ScatterPanel, bpy.types.Panel):
             row = column.row(align=True)
             row.active = not (along and settings.align_to_edges and name == "random_turn")
             row.prop(owner, name)
+        column = layout.column(align=True)
+        column.prop(settings, "lean_object")
+        row = column.row(align=True)
+        row.active = settings.lean_object is not None
+        row.prop(owner, "lean_along")
         layout.prop(settings, "forward")
         _draw_locked(layout, context.object)
 

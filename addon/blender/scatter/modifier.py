@@ -178,6 +178,7 @@ def linked_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> l
     found = [
         LinkedInput("Hidden", obj.dapple, "viewport_share"),
         LinkedInput("Display", obj.dapple, "display_as"),
+        LinkedInput("Lean Object", obj.dapple, "lean_object"),
     ]
     found += [LinkedInput(name, obj.dapple, property_name(name)) for name, _ in DETAIL_INPUTS]
     for index, kind in _kinds(obj):

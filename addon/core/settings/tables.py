@@ -111,6 +111,17 @@ _DIRECTION = (
         ),
     ),
 )
+_LEANING = (
+    Setting(
+        "lean_object",
+        Kind.OBJECT,
+        "",
+        "Lean Object",
+        "Object whose Z axis gives the direction in which instances lean by Lean Along. The Z axis "
+        "of a sun points to the sun, so plants lean to the light",
+        Changes.INSTANCES,
+    ),
+)
 _BAKE = (
     Setting(
         "keyframe_step",
@@ -270,6 +281,7 @@ SCATTER: Settings = (
     *_FACES,
     *SAMPLE,
     *_DIRECTION,
+    *_LEANING,
     *DISPLAY,
     *MOTION,
     *_BAKE,

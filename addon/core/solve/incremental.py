@@ -25,7 +25,7 @@ from .class_counts import clearances, wanted_counts
 from .figures import Details, details_of
 from .locked import Locked
 from .relaxation import Relaxer, locked_rows, old_rows, staying
-from .solve import Scattered, Solved, point_columns, report_of
+from .solve import Scattered, Solved, apart, point_columns, report_of
 
 KEEPING = {"count", "per_area", "density", "forward"}  # settings that may have changed
 _SPARE_POINTS, _SPARE = 2, 0.001  # tolerated deviation of points per area: absolute and relative
@@ -181,6 +181,7 @@ def _scattered(
     columns["dapple_rank"] = np.where(old < 0, new, before.columns["dapple_rank"][old])
     binding = _with_directions(before.binding, binding_of(samples, arrays), old, stays, arrays)
     binding = pointing(binding, arrays, settings.forward)
+    columns["dapple_apart"] = apart(fine.positions, binding, arrays)
     report = replace(
         report_of(fine.report).of_ids(samples.ids),
         count=len(samples),

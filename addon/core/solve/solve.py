@@ -14,12 +14,14 @@ from ..density.masked_surface import MaskedSurface, masked_surface_of, shares
 from ..settings.values import Settings
 from ..surface.arrays import Floats, Ints, SurfaceArrays
 from ..surface.binding import binding_of, bound_nearest
-from ..surface.frames import carried, pointing, shading
+from ..surface.frames import carried, frames, pointing, shading
 from ..surface.records import Binding, Columns, own_random, unbound
 from .class_counts import clearances, sampled
 from .edges import bound_on_edges, counts_on_edges, dealt, sampled_on_edges
 from .figures import Details, details_of
 from .locked import Locked, kept_ids, rows_of
+
+_AT_BORDER = 0.5  # length of the direction away from neighbors at a straight border
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,7 @@ def scatter(
     sized = shrunk(settings, masked.surface)
     columns["dapple_clearance"] = clearances(fine.positions, samples.classes, sized)
     binding = pointing(binding_of(samples, arrays), arrays, settings.forward)
+    columns["dapple_apart"] = apart(fine.positions, binding, arrays)
     positions = np.asarray(samples.positions)
     report = replace(
         report_of(samples.report).of_ids(ids), doubled_faces=masked.original.doubled_faces
@@ -131,6 +134,7 @@ def _scatter_on_edges(
     columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
     columns["dapple_clearance"] = clearances(fine.positions, classes, settings)
     binding = pointing(bound_on_edges(samples, tangents, arrays), arrays, settings.forward)
+    columns["dapple_apart"] = apart(fine.positions, binding, arrays)
     report = replace(
         report_of(fine.report), converged=True, doubled_faces=masked.original.doubled_faces
     )
@@ -148,8 +152,22 @@ def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
         "dapple_turn": own_random(seed, ids, 1) * 2.0 * np.pi,
         "dapple_rank": own_random(seed, ids, 4),
         "dapple_clearance": np.zeros(len(ids)),
+        "dapple_apart": np.zeros((len(ids), 3)),
         "dapple_locked": np.zeros(len(ids), dtype=bool),
     }
+
+
+def apart(points: Floats, binding: Binding, surface: SurfaceArrays) -> Floats:
+    """Directions (n, 3) away from the neighbors, in the axes of each point; 1 long at a border."""
+    away = np.einsum(
+        "nd,ndk->nk",
+        package().away_from_neighbors(points),
+        frames(binding, surface.vertices, shading(surface)).axes(binding.angle),
+    )
+    away[:, 2] = 0.0
+    away /= np.maximum(np.linalg.norm(away, axis=1), _AT_BORDER)[:, None]
+    found: Floats = away
+    return found
 
 
 def with_own_ids(columns: Columns, new: NDArray[np.bool_], seed: int) -> Columns:

@@ -69,8 +69,14 @@ POINT_ATTRIBUTES = {
     "dapple_turn": "FLOAT",
 }
 # Where a point stands, 0..1, in an order of which every beginning is even; whether it stays where
-# it is; half the distance to its nearest like.
-ADDED_ATTRIBUTES = {"dapple_rank": "FLOAT", "dapple_locked": "BOOLEAN", "dapple_clearance": "FLOAT"}
+# it is; half the distance to its nearest like; the direction away from its neighbors, 0..1 long, in
+# the axes of its instance before it is turned.
+ADDED_ATTRIBUTES = {
+    "dapple_rank": "FLOAT",
+    "dapple_locked": "BOOLEAN",
+    "dapple_clearance": "FLOAT",
+    "dapple_apart": "FLOAT_VECTOR",
+}
 
 MOST_CLASSES = 10_000
 _LIMITS = {

@@ -165,6 +165,8 @@ class DAPPLE_PG_object_type(_Open):
     random_turn: float
     align_to_normal: float
     random_tilt: float
+    lean_apart: float
+    lean_along: float
     density_scale: float
     offset: float
     weights: _Collection[DAPPLE_PG_weight]
@@ -207,6 +209,7 @@ class DAPPLE_PG_scatter(_Open):
     tolerance: float
     max_evaluations: int
     forward: str
+    lean_object: Any
     display_as: str
     viewport_share: float
     detail_in_viewport: bool
@@ -241,6 +244,8 @@ class DAPPLE_PG_scatter(_Open):
     random_turn: float
     align_to_normal: float
     random_tilt: float
+    lean_apart: float
+    lean_along: float
     density_scale: float
     offset: float
     auto_update: bool

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <dapple/crowding.hpp>
+#include <dapple/errors.hpp>
 #include <dapple/neighbors.hpp>
 
 #include "shapes.hpp"
+#include "throws.hpp"
 
 namespace dapple::test {
 namespace {
@@ -33,6 +36,34 @@ TEST(Neighbors, GiveNearestDistances) {
   EXPECT_TRUE(nearest_distances({}).empty());
   const std::vector<Vec3> alone = {Vec3::Zero()};
   EXPECT_TRUE(std::isinf(nearest_distances(alone)[0]));
+}
+
+TEST(Neighbors, PointAwayFromThem) {
+  std::vector<Vec3> points;
+  for (int x = 0; x < 9; ++x)
+    for (int y = 0; y < 9; ++y) points.emplace_back(x, y, 0);
+  const std::vector<Vec3> away = away_from_neighbors(points);
+  const auto at = [&](int x, int y) { return away[static_cast<std::size_t>(9 * x + y)]; };
+  EXPECT_NEAR(at(4, 4).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(at(8, 4).x(), 0.45, 0.01);
+  EXPECT_NEAR(at(8, 4).y(), 0.0, 1e-12);
+  EXPECT_GT(at(0, 0).norm(), at(0, 4).norm());
+  for (const Vec3& one : away) EXPECT_LE(one.norm(), 1.0);
+}
+
+TEST(Neighbors, PointNowhereWithoutThem) {
+  EXPECT_TRUE(away_from_neighbors({}).empty());
+  const std::vector<Vec3> alone = {Vec3::Zero()};
+  EXPECT_EQ(away_from_neighbors(alone)[0], Vec3::Zero());
+  const std::vector<Vec3> stacked(40, Vec3::Ones());
+  EXPECT_EQ(away_from_neighbors(stacked)[7], Vec3::Zero());
+  const std::vector<Vec3> pair = {Vec3::Zero(), Vec3(0.5, 0, 0)};
+  EXPECT_NEAR(away_from_neighbors(pair)[0].x(), -4.0 / 9.0, 1e-15);
+}
+
+TEST(Neighbors, PointAwayFromFiniteOnesOnly) {
+  const std::vector<Vec3> broken = {Vec3(0, std::nan(""), 0)};
+  expect_message<ArgumentError>([&] { (void)away_from_neighbors(broken); }, {"points[0]"});
 }
 
 TEST(Neighbors, AgreeWithSorting) {
