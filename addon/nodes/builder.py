@@ -220,7 +220,7 @@ def new_group(
     return tree
 
 
-VERSION = 20
+VERSION = 21
 VERSION_KEY = "dapple_version"  # -VERSION for inner groups
 _PART_KEY = "dapple_part"
 

@@ -7,6 +7,7 @@ from typing import Any
 import bpy
 
 from .builder import Builder, Group, Socket, inner, new_group
+from .color import COLOR, COLOR_INPUTS
 from .key_point import FRAME_KEYS, KEY_POINT
 from .rest_place import REST_SHAPE
 from .surface import SHADING, SURFACE
@@ -26,6 +27,7 @@ POINT_INPUTS = [
     ("Warning", "NodeSocketString"),
     ("Preview", "NodeSocketObject"),
     ("Lean Object", "NodeSocketObject"),
+    *COLOR_INPUTS,
 ]
 NUMBERS = (
     "Scale",
@@ -61,11 +63,13 @@ def _build_points() -> bpy.types.NodeTree:
     early = b.switch("FLOAT", aligned, 0.0, turn)
     position, rotation, faded, clearance = _placed(b, found, played, early)
     position, rotation = _moved(b, found, played, position, rotation)
-    position = _lifted(b, position, rotation)
+    on_surface, position = position, _lifted(b, position, rotation)
     names = ("Align to Normal", "Lean Object", "Lean Along", "Lean Apart", "Random Tilt")
     stood = inner(b, ALIGNMENT, rotation, turn, aligned, *map(b.input, names))
     points = _with_attributes(b, position, stood.outputs["Rotation"], faded)
     points = _with_clearance(b, points, played, clearance)
+    colored = (b.input("Surface"), on_surface, *(b.input(name) for name, _ in COLOR_INPUTS))
+    points = inner(b, COLOR, points, *colored).outputs[0]
     b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
     b.arrange()
     return tree

@@ -73,6 +73,10 @@ INPUTS = {
     "Random Turn": "Maximum random rotation around the normal, as a fraction of a full turn",
     "Align to Normal": "Align instances with the surface normal (1) or with world Z (0)",
     "Random Tilt": "Maximum angle by which instances lean in a random direction, in radians",
+    "Color Attribute": "Attribute or vertex group of the surface that gives instances their color, "
+    "as dapple_color",
+    "Color Image": "Image on the surface that gives instances their color, as dapple_color",
+    "Color UV Map": "UV map that places the image on the surface",
     "Lean Object": "Object whose Z axis gives the direction in which instances lean by Lean Along",
     "Lean Apart": "Angle by which instances lean away from their neighbors, in radians",
     "Lean Along": "How far instances lean to the Z axis of Lean Object, or of the world if there "

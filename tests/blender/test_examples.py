@@ -28,6 +28,7 @@ COUNTS = {
     "edges": 80,
     "trimmed": 40,
     "leaning": 60,
+    "colored": 80,
     "remeshed": 800,
     "scales": 120,
 }

@@ -18,7 +18,7 @@ from ..scatter.object import material_name
 from ..scatter.panel import ScatterPanel, draw_in_header
 from ..solve.panel import draw_amount
 from ..solve.results_panel import draw_result
-from ..surface.joined_parts import parts_of
+from ..surface.joined_parts import mesh_with_uv_maps
 from ..surface.mesh import read_mesh
 from ..surface.scene_objects import by_full_name
 from ..surface.values import surface_materials
@@ -71,8 +71,7 @@ def _draw(layout: bpy.types.UILayout, scatter: bpy.types.AnyType, setting: Setti
     if setting.kind is not Kind.UV_MAP:
         layout.prop(scatter.density, setting.name)
     elif scatter.surface:
-        meshes = (part.data for part in parts_of(scatter.surface) if part.type == "MESH")
-        mesh = next((one for one in meshes if one.uv_layers), scatter.surface.data)
+        mesh = mesh_with_uv_maps(scatter.surface)
         layout.prop_search(scatter.density, setting.name, mesh, "uv_layers")
 
 

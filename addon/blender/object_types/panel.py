@@ -7,6 +7,7 @@ from ...core.settings.edge_table import ON_EDGES
 from ..base.panel_values import CachedValue
 from ..base.translation import translated
 from ..scatter.panel import ScatterPanel
+from ..surface.joined_parts import mesh_with_uv_maps
 from .operators import DAPPLE_OT_edit_object_types, DAPPLE_OT_select_overlap, count_labels
 
 _AXES = ("scale_x", "scale_y", "scale_z")
@@ -53,6 +54,7 @@ class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
         if owner.collection:
             _draw_weights(column, owner)
         _draw_size(layout, owner)
+        _draw_color(layout, settings)
         if settings.report.worst_overlap >= _SHOWN_SHARE:
             row = layout.row()
             row.label(text=_overlap(settings))
@@ -76,6 +78,15 @@ def _draw_size(layout: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
     column = layout.column(align=True)
     column.prop(owner, "fit_to_spacing")
     column.prop(owner, "density_scale")
+
+
+def _draw_color(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
+    column = layout.column(align=True)
+    column.prop(settings, "color_attribute")
+    column.prop(settings, "color_image")
+    if settings.color_image is not None and settings.surface is not None:
+        mesh = mesh_with_uv_maps(settings.surface)
+        column.prop_search(settings, "color_uv_map", mesh, "uv_layers")
 
 
 def _draw_axes(split: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:

@@ -33,7 +33,7 @@ from .linked_data import read_only
 from .object import is_fluid, is_scatter, settings_reason
 from .placed_objects import weights_text
 
-_WEIGHTS = "Weights"
+_WEIGHTS, _UV_MAP = "Weights", "Color UV Map"
 _DISPLAYS = [name for name, *_ in DISPLAY_AS]
 _SINGLE = 1e-6  # relative precision of Blender's numbers
 _known: dict[int, dict[str, Any]] = {}  # inputs by the scatter's session_uid
@@ -118,6 +118,8 @@ def write_instance_inputs(obj: bpy.types.Object) -> None:
         _exchange_group(obj, modifier)
     for linked in linked_inputs(obj, modifier):
         set_input(modifier, linked.name, linked.value())
+    if has_input(modifier, _UV_MAP):
+        set_input(modifier, _UV_MAP, _uv_map(obj) if obj.dapple.color_image else "")
     for index, kind in _kinds(obj):
         if has_input(modifier, input_name(_WEIGHTS, index)):
             set_input(modifier, input_name(_WEIGHTS, index), weights_text(kind))
@@ -134,7 +136,21 @@ def _lacks_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> b
     detailed = _is_detailed(obj)
     other = detailed != has_input(modifier, DETAIL_INPUTS[0][0])
     other = other or (obj.dapple.display_as != "INSTANCES" and not has_input(modifier, "Display"))
+    colored = obj.dapple.color_attribute or obj.dapple.color_image is not None
+    other = other or (bool(colored) and not has_input(modifier, _UV_MAP))
     return other or any(_lacks_own(modifier, kind, index) for index, kind in _kinds(obj))
+
+
+def _uv_map(obj: bpy.types.Object) -> str:
+    """Name of the UV map of the color image: by default the one that the surface is rendered with,
+    or the first of its parts that has one.
+    """
+    surface = obj.dapple.surface
+    if obj.dapple.color_uv_map or surface is None:
+        return str(obj.dapple.color_uv_map)
+    parts = [surface, *(one.object for one in surface.dapple.joined.entries)]
+    layers = [getattr(part.data, "uv_layers", ()) for part in parts if part is not None]
+    return next((one.name for part in layers for one in part if one.active_render), "")
 
 
 def _lacks_own(
@@ -179,6 +195,8 @@ def linked_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> l
         LinkedInput("Hidden", obj.dapple, "viewport_share"),
         LinkedInput("Display", obj.dapple, "display_as"),
         LinkedInput("Lean Object", obj.dapple, "lean_object"),
+        LinkedInput("Color Attribute", obj.dapple, "color_attribute"),
+        LinkedInput("Color Image", obj.dapple, "color_image"),
     ]
     found += [LinkedInput(name, obj.dapple, property_name(name)) for name, _ in DETAIL_INPUTS]
     for index, kind in _kinds(obj):

@@ -72,6 +72,12 @@ def parts_of(surface: bpy.types.Object) -> list[bpy.types.Object]:
     return list(dict.fromkeys(piece.object for piece in pieces_of(surface)))
 
 
+def mesh_with_uv_maps(surface: bpy.types.Object) -> bpy.types.ID:
+    """The first mesh of a surface that has UV maps, else the surface's own data."""
+    meshes = (part.data for part in parts_of(surface) if part.type == "MESH")
+    return next((one for one in meshes if one.uv_layers), surface.data)
+
+
 def objects_of(surface: bpy.types.Object) -> list[bpy.types.Object]:
     """The parts of a joined surface and the objects that instance them."""
     found = (obj for piece in pieces_of(surface) for obj in (*piece.path, piece.object))

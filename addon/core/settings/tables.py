@@ -122,6 +122,38 @@ _LEANING = (
         Changes.INSTANCES,
     ),
 )
+_COLOR = (
+    Setting(
+        "color_attribute",
+        Kind.VALUES,
+        "",
+        "Color Attribute",
+        "Color attribute, other attribute or vertex group of the evaluated surface that gives each "
+        "instance one color. Materials read it by an Attribute node of the type Instancer with the "
+        "name dapple_color",
+        Changes.INSTANCES,
+    ),
+    Setting(
+        "color_image",
+        Kind.IMAGE,
+        "",
+        "Color Image",
+        "Image on the surface that gives each instance one color, multiplied by the color "
+        "attribute. Materials read it by an Attribute node of the type Instancer with the name "
+        "dapple_color",
+        Changes.INSTANCES,
+    ),
+    Setting(
+        "color_uv_map",
+        Kind.UV_MAP,
+        "",
+        "Color UV Map",
+        "UV map that places the image on the surface; if empty, the one that is active for "
+        "rendering",
+        Changes.INSTANCES,
+        under="color_image",
+    ),
+)
 _BAKE = (
     Setting(
         "keyframe_step",
@@ -282,6 +314,7 @@ SCATTER: Settings = (
     *SAMPLE,
     *_DIRECTION,
     *_LEANING,
+    *_COLOR,
     *DISPLAY,
     *MOTION,
     *_BAKE,

@@ -210,6 +210,9 @@ class DAPPLE_PG_scatter(_Open):
     max_evaluations: int
     forward: str
     lean_object: Any
+    color_attribute: str
+    color_image: Any
+    color_uv_map: str
     display_as: str
     viewport_share: float
     detail_in_viewport: bool

@@ -165,6 +165,7 @@ def test_groups_are_built_once_and_have_no_broken_link():
             "Alignment",
             "Bound Place",
             "Check",
+            "Color",
             "Fit to Spacing",
             "Frame Keys",
             "Instances",
