@@ -6,6 +6,7 @@
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
 #include <dapple/refined_samples.hpp>
+#include <dapple/visibility.hpp>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -271,6 +272,46 @@ py::array exposure_of(const Surface& surface, const py::object& faces,
   }));
 }
 
+py::array_t<bool> seen_by(const Surface& surface, const py::object& eye, const py::object& points,
+                          const ContextPtr& context) {
+  const DoubleArray numbers = doubles("eye", eye, 0);
+  if (numbers.size() != 4)
+    throw ArgumentError("eye has " + std::to_string(numbers.size()) + " numbers: 4 are needed");
+  std::array<double, 4> own{};
+  std::copy_n(numbers.data(), 4, own.begin());
+  const DoubleArray places = doubles("points", points, 3);
+  py::array_t<bool> result(places.shape(0));
+  const auto seen = run(context, [&](Context* watched) {
+    return seen_from(surface, own, as_points(places), watched);
+  });
+  std::copy(seen.begin(), seen.end(), result.mutable_data());
+  return result;
+}
+
+void bind_seen_from(py::module_& m) {
+  m.def("seen_from", &seen_by, py::arg("surface"), py::arg("eye"), py::arg("points"), py::kw_only(),
+        py::arg("context") = py::none(),
+        R"(Which points an eye sees: nothing of the surface is between them and the eye.
+
+Faces block from both sides. Those nearer to a point than a few millionths of the surface's size do not, so points may
+lie on it.
+
+Args:
+    surface: a Surface.
+    eye: (4,) float64, homogeneous: (x, y, z, 1) is a place, (x, y, z, 0) the direction to an eye at infinity, as of an
+        orthographic camera.
+    points: (n, 3) float64.
+    context: a Context to cancel by, or None.
+
+Returns:
+    (n,) bool.
+
+Raises:
+    ValueError: if the eye is not finite, its last number is neither 0 nor 1 or its direction has no length; naming the
+        first point that is not finite.
+    Cancelled: through the context.)");
+}
+
 void bind_exposure(py::module_& m) {
   m.def("exposure", &exposure_of, py::arg("surface"), py::arg("faces") = py::none(),
         py::arg("barycentric") = py::none(), py::kw_only(), py::arg("context") = py::none(),
@@ -391,6 +432,7 @@ void bind_density(py::module_& m) {
   bind_edges(m);
   bind_verbs(m);
   bind_exposure(m);
+  bind_seen_from(m);
 }
 
 }  // namespace dapple::python

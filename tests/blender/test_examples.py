@@ -29,6 +29,7 @@ COUNTS = {
     "trimmed": 40,
     "leaning": 60,
     "colored": 80,
+    "seen": 80,
     "remeshed": 800,
     "scales": 120,
 }

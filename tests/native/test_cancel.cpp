@@ -24,6 +24,7 @@
 #include <dapple/sampler.hpp>
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
+#include <dapple/visibility.hpp>
 #include <dapple/window_tracker.hpp>
 #include <functional>
 #include <limits>
@@ -629,6 +630,9 @@ TEST(Watched, RefineOutside) {
           .surface();
   expect_watched([&](Context* context) { (void)refine_outside(surface, {.edge = 0.05}, context); });
   expect_watched([&](Context* context) { (void)exposure(surface, context); });
+  const std::vector<Vec3> points = surface.vertices();
+  expect_watched(
+      [&](Context* context) { (void)seen_from(surface, {3, 1, 1, 1}, points, context); });
 }
 
 TEST(Watched, Decals) {

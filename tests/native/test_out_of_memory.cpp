@@ -31,6 +31,7 @@
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
 #include <dapple/topology.hpp>
+#include <dapple/visibility.hpp>
 #include <dapple/window_tracker.hpp>
 #include <filesystem>
 #include <functional>
@@ -393,6 +394,8 @@ Prepare leaving_out_hidden_faces(int) {
           .surface();
   return again([surface](Hash& hash) {
     hash.add(refine_outside(surface, {.edge = 0.3}).surface.vertices());
+    for (const std::uint8_t seen : seen_from(surface, {3, 1, 1, 1}, surface.vertices()))
+      hash.add(seen > 0 ? 1.0 : 0.0);
   });
 }
 

@@ -535,6 +535,13 @@ def refine_outside(run: Run) -> None:
     keep_refined(run, dapple.refine_outside(run.surface(both), 0.25, openness=0.0))
 
 
+@case
+def seen_from(run: Run) -> None:
+    vertices, faces = TORUS
+    eye = run.given(np.array([3.0, 0.5, 1.0, 1.0]))
+    run.keep(seen=dapple.seen_from(run.surface((vertices, faces)), eye, vertices))
+
+
 # --- looking at surfaces and samples
 
 

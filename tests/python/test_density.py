@@ -300,6 +300,36 @@ def test_points_keep_to_a_sharp_range_within_large_faces():
     np.testing.assert_allclose(back.positions, samples.positions, atol=1e-12)
 
 
+def test_a_camera_leaves_out_what_meshes_hide():
+    clip = np.diag([1.0, 1.0, -0.1, 1.0])  # looks down, along parallel rays
+    cover = CUBE * [0.5, 0.5, 0.1] + [0.0, 0.0, 2.0]
+    seen = density.Camera(clip, 1.0, [(SQUARE, TWO), (cover, CUBE_FACES)], longest=0.5)
+    masked = density.MaskedSurface(plane(), [seen], count=300)
+    samples = masked.to_original(dapple.sample(masked.surface, 300))
+    away = np.abs(samples.positions[:, :2]).max(axis=1)
+    assert 0.5 <= away.min() < 0.6
+    np.testing.assert_array_equal(seen.values(np.array([[0.3, 0, 0], [0.7, 0, 0.0]])), [0, 1])
+    clip[2, 2] = 0.1  # looks up, from below the square
+    assert density.Camera(clip, 1.0, [(cover, CUBE_FACES)]).values(np.zeros((1, 3)))[0] == 1.0
+    near = np.array([[1.0, 0, 0, 0], [0, 1.0, 0, 0], [0, 0, 1, -1], [0, 0, -1, 1.0]])  # from z = 1
+    assert density.Camera(near, 1.0, [(cover, CUBE_FACES)]).values(np.zeros((1, 3)))[0] == 1.0
+    cover[:, 2] -= 1.5
+    assert density.Camera(near, 1.0, [(cover, CUBE_FACES)]).values(np.zeros((1, 3)))[0] == 0.0
+
+
+def test_points_that_an_eye_sees():
+    surface = dapple.Surface(SQUARE, TWO)
+    points = [[0.0, 0.0, -1.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    assert dapple.seen_from(surface, [0, 0, 3, 1], points).tolist() == [False, True, True]
+    assert dapple.seen_from(surface, [0, 0, -1, 0], points).tolist() == [True, True, False]
+    with pytest.raises(ValueError, match="eye has 3 numbers: 4 are needed"):
+        dapple.seen_from(surface, [0, 0, 3], points)
+    with pytest.raises(ValueError, match=r"eye\[3\] is 2"):
+        dapple.seen_from(surface, [0, 0, 3, 2], points)
+    with pytest.raises(ValueError, match=r"points\[0\].*inf"):
+        dapple.seen_from(surface, [0, 0, 3, 1], [[0, np.inf, 0]])
+
+
 def test_a_surface_without_fields_is_left_as_it_is():
     surface = plane()
     masked = density.MaskedSurface(surface, count=100, values={"moss": np.array([0.0, 1, 1, 0])})

@@ -134,6 +134,9 @@ CALLS = {
         )
     ),
     "refine_outside": lambda b: dapple.refine_outside(b.surface, 0.003, max_faces=20_000_000),
+    "seen_from": lambda b: many(
+        lambda: dapple.seen_from(b.surface, [9.0, 0.0, 0.0, 1.0], b.points)
+    ),
     "exposure": lambda b: many(lambda: dapple.exposure(b.surface)),
     "remesh": lambda b: dapple.remesh(b.surface, 20_000, max_evaluations=1000, tolerance=0),
     "mosaic": lambda b: many(lambda: dapple.mosaic(b.surface, b.samples, grout=0.001)),

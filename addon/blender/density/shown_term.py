@@ -49,6 +49,8 @@ def watched_by(obj: bpy.types.Object, request: Request) -> frozenset[int]:
     found = [surface, surface.data, obj.dapple.density.image]
     if density.avoid_collection:
         found += obstacles_of(density.avoid_collection, surface, obj)
+    if density.use_camera_view and density.camera_hidden and density.hiding_collection:
+        found += obstacles_of(density.hiding_collection, surface, obj)
     for target in targets_of(density, surface, obj):
         found += [target, target.data]
     return frozenset(one.session_uid for one in found if one is not None)

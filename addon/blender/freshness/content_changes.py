@@ -103,6 +103,7 @@ def _listed(roles: list[str]) -> str:
         "camera": translated("camera"),
         "obstacles": translated("avoided objects"),
         "others": translated("avoided objects"),
+        "hiding": translated("objects that hide points"),
         "targets": translated("objects that a distance is measured to"),
         "image": translated("image"),
         "uv": translated("texture coordinates"),
@@ -132,6 +133,8 @@ def _change_note(obj: bpy.types.Object, role: str) -> str:
         return translated("The camera was moved or changed")
     if role in ("obstacles", "others"):
         return translated("Avoided objects were moved or changed")
+    if role == "hiding":
+        return translated("Objects that hide points were moved or changed")
     if role == "targets":
         return translated("Objects that a distance is measured to were moved or changed")
     if role == "noise":

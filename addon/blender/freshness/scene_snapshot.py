@@ -136,6 +136,7 @@ def depends_on(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[int, tuple
         around += _obstacles(density.distance_collection)
     if density.use_camera_view:
         around += _with_data(scene.camera)
+        around += _obstacles(density.hiding_collection) if density.camera_hidden else []
     whole = [block for one in members_of(surface) for block in _with_data(one)]
     parts = [([*whole, *collections_of(surface)], (SURFACE, VALUES, AROUND)), (around, (AROUND,))]
     parts += [([obj.data], (POINTS,)), (_stores(obj), (KEYS,))]

@@ -221,6 +221,7 @@ def dependencies(obj: bpy.types.Object) -> set[Hashable]:
     found.discard(scene.session_uid)
     if density.use_camera_view:
         found.add(picture_of(scene))
-    for one in filter(None, (density.avoid_collection, density.distance_collection)):
+    listed = (density.avoid_collection, density.distance_collection, density.hiding_collection)
+    for one in filter(None, listed):
         found -= {block.session_uid for block in (one, *one.children_recursive)}
     return found - {one.session_uid for one in collections_of(obj.dapple.surface)}

@@ -82,6 +82,7 @@ class Nearby:
     picture: dict[str, Any] | None = None  # the density of the images, if it is known
     camera: Floats | None = None
     obstacles: list[RawMesh] = field(default_factory=list)
+    hiding: list[RawMesh] = field(default_factory=list)
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))
     radii: Floats = field(default_factory=lambda: np.empty(0))
     targets: list[RawMesh] = field(default_factory=list)
@@ -94,6 +95,7 @@ class Nearby:
         return Surroundings(
             camera=self.camera,
             obstacles=_solids(self.obstacles),
+            hiding=_solids(self.hiding),
             points=self.points,
             radii=self.radii,
             targets=_solids(self.targets),
@@ -126,6 +128,7 @@ def nearby_parts(
         yield from _picture_parts(found, density, known)
     if density.use_camera_view:
         found.camera = read_camera(evaluated())
+        yield from _hiding_parts(found, density, surface, own, known)
     if density.avoid_collection:
         others = obstacles_of(density.avoid_collection, surface.get(), _object(own))
         found.points, found.radii = balls(others, density.avoid_margin, known.scatters)
@@ -157,6 +160,21 @@ def _nearby_mesh(other: ObjectHandle, known: Known) -> Parts:
         return before
     known.meshes[other.uid] = mesh = yield from mesh_parts(other, shaded=False)
     return mesh
+
+
+def _hiding_parts(
+    found: Nearby,
+    density: DensitySettings,
+    surface: ObjectHandle,
+    own: ObjectHandle | None,
+    known: Known,
+) -> Parts:
+    """Read the objects that hide the surface from the camera."""
+    if not (density.camera_hidden and density.hiding_collection):
+        return
+    others = obstacles_of(density.hiding_collection, surface.get(), _object(own))
+    for other in [ObjectHandle(one) for one in others if not is_scatter(one)]:
+        found.hiding.append((yield from _nearby_mesh(other, known)))
 
 
 def _target_parts(

@@ -135,7 +135,7 @@ def _moved_around(before: Surroundings, now: Surroundings) -> list[str]:
         for role, names in _AROUND.items()
         if not all(_same(getattr(before, name), getattr(now, name)) for name in names)
     ]
-    for role in ("obstacles", "targets"):
+    for role in ("obstacles", "hiding", "targets"):
         if not _same_meshes(getattr(before, role), getattr(now, role)):
             found.append(role)
     if len(before.tiles) != len(now.tiles) or not all(

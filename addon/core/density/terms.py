@@ -11,6 +11,9 @@ from ..settings.values import MATERIAL, DensitySettings, Settings, materials_of
 from ..surface.arrays import Floats, SurfaceArrays, turn_of
 from ..surface.frames import corner_normals
 
+_LOOK = (
+    0.02  # longest edge of faces of which the corners tell what hides them, in sizes of the surface
+)
 _FLOOR = 0.02  # smallest density by curvature, relative to the largest
 
 
@@ -96,9 +99,18 @@ def fields_of(
     if (within := range_of(settings, "noise")) is not None:
         found.append(_noise(within, settings, (first or arrays).matrix, first is not None))
     if around.camera is not None:
-        found.append(density.Camera(around.camera, settings.camera_margin))
+        found.append(_camera(arrays, settings))
     found += [density.Obstacle(*mesh, settings.avoid_margin) for mesh in around.obstacles]
     return found
+
+
+def _camera(arrays: SurfaceArrays, settings: DensitySettings) -> Any:
+    """The field of the camera's view, without what is hidden from it if the settings say so."""
+    around, meshes, longest = arrays.around, [], np.inf
+    if settings.camera_hidden:
+        meshes = [(arrays.vertices, arrays.faces), *around.hiding]
+        longest = _LOOK * float(np.linalg.norm(np.ptp(arrays.vertices, axis=0)))
+    return package().density.Camera(around.camera, settings.camera_margin, meshes, longest)
 
 
 def _distances(

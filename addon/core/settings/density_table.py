@@ -97,8 +97,7 @@ DENSITY = (
         Kind.SWITCH,
         False,
         "Camera View",
-        "Only scatter points in the view of the scene camera at the current frame, whether "
-        "hidden behind something or not",
+        "Only scatter points in the view of the scene camera at the current frame",
     ),
     Setting(
         "camera_margin",
@@ -110,6 +109,24 @@ DENSITY = (
         low=0.0,
         soft_high=1.0,
         subtype="FACTOR",
+        under="use_camera_view",
+    ),
+    Setting(
+        "camera_hidden",
+        Kind.SWITCH,
+        False,
+        "Leave Out Hidden",
+        "Only scatter points that the camera sees, none behind the surface itself or behind "
+        "objects of Hiding Objects",
+        under="use_camera_view",
+    ),
+    Setting(
+        "hiding_collection",
+        Kind.COLLECTION,
+        "",
+        "Hiding Objects",
+        "Collection of objects behind which Leave Out Hidden leaves points out, beside the surface "
+        "itself. The scatter's own tiles and instances hide nothing",
         under="use_camera_view",
     ),
     Setting(

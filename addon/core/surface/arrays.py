@@ -29,6 +29,7 @@ class Surroundings:
     tiles: tuple[tuple[int, Floats], ...] = ()  # UDIM tiles by number, instead
     camera: Floats | None = None  # (4, 4) world space to clip space
     obstacles: tuple[tuple[Floats, Ints], ...] = ()  # vertices, faces of meshes in world space
+    hiding: tuple[tuple[Floats, Ints], ...] = ()  # meshes behind which the camera sees nothing
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # of other scatters
     radii: Floats = field(default_factory=lambda: np.empty(0))  # (k,) distances to keep from them
     # Meshes and segments (s, 2, 3) that a distance is measured to; a point is a segment too.
@@ -37,7 +38,9 @@ class Surroundings:
 
     def arrays(self) -> list[NDArray[Any]]:
         """All arrays, for digests."""
-        meshes = [array for mesh in (*self.obstacles, *self.targets) for array in mesh]
+        meshes = [
+            array for mesh in (*self.obstacles, *self.hiding, *self.targets) for array in mesh
+        ]
         single = [self.uv, self.image, self.camera, self.points, self.radii, self.lines]
         for number, picture in self.tiles:
             single += [np.array([number]), picture]

@@ -26,7 +26,18 @@ from ..settings.values import (
 from .arrays import Floats, SurfaceArrays, Surroundings, turn_of
 
 # Roles that depend on the frame for most scenes: shapes and places.
-PLACES = ("shape", "scale", "up", "north", "noise", "camera", "obstacles", "targets", "others")
+PLACES = (
+    "shape",
+    "scale",
+    "up",
+    "north",
+    "noise",
+    "camera",
+    "obstacles",
+    "hiding",
+    "targets",
+    "others",
+)
 UNKNOWN = "unknown"  # digest of inputs that cannot be compared any more
 _BLOCKS = 256  # number of sums that describe a shape, each over neighboring rows
 _TOLERANCE = 1e-5  # relative to the largest number of a role
@@ -198,10 +209,11 @@ def around_sources(pose: Pose, around: Surroundings) -> Sources:
         exact["uv"] = digest_of([around.uv])
     if around.camera is not None:
         near["camera"] = _seen(pose, around.camera)
-    if around.obstacles:
-        exact["obstacles"] = digest_of(faces for _, faces in around.obstacles)
-        places = np.concatenate([vertices for vertices, _ in around.obstacles])
-        near["obstacles"] = _sums(pose.local(places))
+    for role, meshes in (("obstacles", around.obstacles), ("hiding", around.hiding)):
+        if meshes:
+            exact[role] = digest_of(faces for _, faces in meshes)
+            places = np.concatenate([vertices for vertices, _ in meshes])
+            near[role] = _sums(pose.local(places))
     if around.targets or len(around.lines):
         ends = around.lines.reshape(-1, 3)
         exact["targets"] = digest_of(

@@ -787,6 +787,9 @@ def exposure(
     *,
     context: Context | None = None,
 ) -> NDArray[np.float64]: ...
+def seen_from(
+    surface: Surface, eye: ArrayLike, points: ArrayLike, *, context: Context | None = None
+) -> NDArray[np.bool_]: ...
 def refine_outside(
     surface: Surface,
     edge: float,

@@ -128,6 +128,8 @@ class DAPPLE_PG_density(_Open):
     openness: float
     use_camera_view: bool
     camera_margin: float
+    camera_hidden: bool
+    hiding_collection: Any
     avoid_collection: Any
     avoid_margin: float
     shown_term: str

@@ -10,13 +10,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._native import Surface, seen_from
 from .arrays import Flags, Floats, Ints, shaped
-from .nearest import Body, Nearest
+from .nearest import Body, Mesh, Nearest
 from .noise import bend, noise
 from .ranges import Range
 
 _INNER = 0.58  # largest distance of a place of a triangle from its corners, in longest edges
 _COARSE = 0.25  # of the falloff: a face over which values differ by less needs no cut
+_FAR = 1e-9  # relative distance at which an eye is at infinity
 _SOFT = 2.0  # factor of the edge length at a sharp change that suffices for a falloff
 _INWARD = 0.05  # share of the way from a corner of a face to its center
 _ROUNDING = 2.5e-7  # relative, of coordinates in single precision
@@ -212,30 +214,51 @@ class Height(Field):
 
 
 class Camera(Field):
-    """1 in the view of a camera, 0 elsewhere; what hides a place does not count.
+    """1 in the view of a camera, 0 elsewhere.
+
+    Without meshes, what hides a place does not count. With them the field is 0 on all faces of
+    which a corner or the center is hidden.
 
     Args:
         clip: (4, 4), the matrix from space to the camera's clip space.
         margin: >= 0, how far the view extends beyond the frame, relative to half the frame.
+        meshes: vertices (v, 3) and faces (m, 3) of what hides places, also the surface itself.
+        longest: > 0, edges up to which the corners and the center of a face tell what hides it.
 
     Raises:
-        ValueError: clip has another shape.
+        ValueError: clip has another shape, or meshes as `dapple.Surface`.
     """
 
     bounds = False
 
-    def __init__(self, clip: ArrayLike, margin: float = 0.0) -> None:
+    def __init__(
+        self,
+        clip: ArrayLike,
+        margin: float = 0.0,
+        meshes: Sequence[Mesh] = (),
+        longest: float = np.inf,
+    ) -> None:
         clip = shaped("clip", clip, 4, 4)
         x, y, w = clip[0], clip[1], (1.0 + margin) * clip[3]
         self._planes = np.array([w - x, w + x, w - y, w + y, clip[3]])
+        self._bodies = [Surface(*mesh) for mesh in meshes]
+        self._eye, self._longest = _eye_of(clip), longest
 
     def _inside(self, points: Floats) -> Flags:
         signed: Floats = points @ self._planes[:, :3].T + self._planes[:, 3]
         found: Flags = signed >= 0.0
         return found
 
+    def _seen(self, points: Floats) -> Flags:
+        """Which points (n,) no mesh hides."""
+        found = np.ones(len(points), dtype=bool)
+        for body in self._bodies:
+            found[found] = seen_from(body, self._eye, points[found])
+        return found
+
     def values(self, points: Floats) -> Floats:
         seen: Flags = np.all(self._inside(points), axis=1)
+        seen[seen] = self._seen(points[seen])
         return seen.astype(np.float64)
 
     def changes(self, points: Floats, faces: Ints) -> Flags:
@@ -243,7 +266,40 @@ class Camera(Field):
         beyond: Flags = np.any(np.all(~inside, axis=1), axis=1)  # all of them beyond one plane
         within: Flags = np.all(inside, axis=(1, 2))
         found: Flags = ~beyond & ~within
+        if self._bodies:
+            rows = np.flatnonzero(~beyond & ~found)
+            seen = self._seen_of_faces(points, faces[rows])
+            mixed = seen.any(axis=1) & ~seen.all(axis=1)
+            found[rows] = mixed | (_longest_edges(points[faces[rows]]) > self._longest)
         return found
+
+    def at_corners(self, points: Floats, faces: Ints) -> Floats:
+        inside: Flags = np.all(self._inside(points)[faces], axis=2)
+        rows = np.flatnonzero(inside.any(axis=1))
+        if self._bodies:
+            seen: Flags = np.all(self._seen_of_faces(points, faces[rows]), axis=1)
+            inside[rows[~seen]] = False
+        return inside.astype(np.float64)
+
+    def _seen_of_faces(self, points: Floats, faces: Ints) -> Flags:
+        """Whether the corners and the center of each face are seen (m, 4)."""
+        used, place = np.unique(faces, return_inverse=True)
+        corners = self._seen(points[used])[place.reshape(-1, 3)]
+        centers = self._seen(points[faces].mean(axis=1))
+        return np.column_stack([corners, centers])
+
+
+def _eye_of(clip: Floats) -> Floats:
+    """The eye of a camera in homogeneous coordinates (4,): the place that is nowhere in the
+    picture.
+    """
+    rows = clip[[0, 1, 3]]
+    minors = [(-1.0) ** k * np.linalg.det(np.delete(rows, k, axis=1)) for k in range(4)]
+    eye: Floats = np.array(minors)
+    if abs(eye[3]) > _FAR * np.abs(eye[:3]).max(initial=0.0):
+        return eye / eye[3]
+    eye[3] = 0.0  # parallel rays, toward where depths are smaller
+    return -eye if clip[2, :3] @ eye[:3] > 0.0 else eye
 
 
 class Obstacle(Field):
