@@ -49,16 +49,18 @@ class Minimizer {
   Minimum run(const Sites& start, const Sites* home) {
     begin(start, home);
     reinsert_empty_cells();
-    while (!settled() && result_.evaluations < std::min(last_, options_.max_evaluations)) {
+    while (!settled() && !result_.paused &&
+           result_.evaluations < std::min(last_, options_.max_evaluations)) {
       iterate();
       reinsert_empty_cells();
       go_on_where_stuck();
       forecast_.note(result_.evaluations, decrease_);
+      result_.paused = aim_.pauses && !settled() && aim_.pauses(state_, decrease_);
     }
     result_.settled = settled();
     result_.converged = converged() && !has_empty_cell(objective_, state_);
     result_.state = std::move(state_);
-    if (context_) context_->advance(1.0);
+    if (context_ && !result_.paused) context_->advance(1.0);
     return std::move(result_);
   }
 

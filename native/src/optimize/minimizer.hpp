@@ -3,6 +3,7 @@
 
 #include <dapple/context.hpp>
 #include <dapple/optimizer.hpp>
+#include <functional>
 #include <limits>
 
 #include "optimize/objective.hpp"
@@ -18,6 +19,7 @@ struct Minimum {
   int iterations = 0;
   bool settled = false;    ///< no further decrease: converged, or no step was found
   bool converged = false;  ///< see OptimizerResult
+  bool paused = false;     ///< see Aim::pauses
 
   /// Count the work of another minimization too.
   void count(const Minimum& other) {
@@ -37,6 +39,9 @@ struct Tracked {
 /// Criteria beside the target energy.
 struct Aim {
   double variation = std::numeric_limits<double>::infinity();  ///< of the capacities, at most
+  /// Asked after each step, with its relative decrease: whether to end before the minimum. Empty:
+  /// never.
+  std::function<bool(const Evaluation& state, double decrease)> pauses = {};
 };
 
 /// See optimize(); repulsions are the terms' own.

@@ -34,17 +34,24 @@ constexpr double kOtherSide = -0.5;     // cosine between normals
 constexpr int kSettling = 2;  // times that the numbers of sites of neighborhoods are checked
 constexpr double kAlone =
     0.35;  // share of the progress after the start when each class is even on its own
-constexpr double kRound = 0.4;    // share of the remaining progress, as their number is unknown
-constexpr double kRough = 5e-4;   // tolerance before all classes move together
-constexpr double kPolish = 2.0;   // times the tolerance, if classes are nearly even when combined
-constexpr double kInTurn = 0.6;   // of the progress after the start
-constexpr double kNearly = 0.9;   // of the progress, before sites are moved
-constexpr double kUseful = 20.0;  // the least weight of capacities that are to be equal
-constexpr double kMoving = 0.2;   // of a round
-constexpr int kMoved = 5;         // evaluations that a round takes at least
-constexpr int kMoves = 6;         // times that sites are moved to other neighborhoods
+constexpr double kRound = 0.4;      // share of the remaining progress, as their number is unknown
+constexpr double kRough = 5e-4;     // tolerance before all classes move together
+constexpr double kPolish = 2.0;     // times the tolerance, if classes are nearly even when combined
+constexpr double kInTurn = 0.6;     // of the progress after the start
+constexpr double kNearly = 0.9;     // of the progress, before sites are moved
+constexpr double kUseful = 20.0;    // the least weight of capacities that are to be equal
+constexpr double kMoving = 0.2;     // of a round
+constexpr int kMoved = 5;           // evaluations that a round takes at least
+constexpr int kMoves = 6;           // times that sites are moved after the steps
+constexpr std::size_t kFewest = 3;  // sites to move for which another minimization is worthwhile
 // While the capacity variation is larger, apart from what whole numbers cause.
 constexpr double kUneven = 0.012;
+// Sites are moved early if the variation is larger than this after a few steps, the last of which
+// decreased the energy by less than so many tolerances. On one smooth body it is half of this then.
+constexpr double kFarFromEven = 0.045;
+constexpr int kFirstSteps = 3;
+constexpr std::size_t kMany = 500;  // sites; of fewer, the variation says little after few steps
+constexpr double kSlow = 100.0;
 
 std::vector<std::int32_t> numbers_from(std::int32_t first, std::size_t count) {
   std::vector<std::int32_t> numbers(count);
@@ -209,26 +216,66 @@ bool is_plain(const ClassProblem& problem, const ClassOptions& options) {
          options.sample.optimizer.capacity_weight >= kUseful;
 }
 
-/// Whether the capacities vary by more than the tolerance and whole numbers account for.
+/// Whether the capacities vary by more than a limit, the tolerance and whole numbers account for.
 bool is_uneven(const ClassProblem& problem, const OptimizerOptions& options,
-               const ClassMinimum& found) {
+               const Objective& objective, const Evaluation& state, double limit) {
   const double loose = std::max(1.0, options.tolerance / OptimizerOptions().tolerance);
-  const double uneven = kUneven * std::sqrt(loose);
-  const double variation = capacity_variation(found.objective, found.minimum.state);
+  const double uneven = limit * std::sqrt(loose);
+  const double variation = capacity_variation(objective, state);
   // On even surfaces nobody has to look for islands.
   return variation > uneven &&
-         variation >
-             std::hypot(uneven, whole_count_variation(*problem.all, found.minimum.state.sites));
+         variation > std::hypot(uneven, whole_count_variation(*problem.all, state.sites));
 }
 
-/// Where parts are hardly connected, as on machines and characters made of parts, steps end at a
-/// minimum in which some neighborhoods have a site too many and others one too few. Move such sites
-/// and continue from there, as long as that lowers the energy.
+/// The number of sites whose position differs.
+std::size_t count_moved(const Sites& before, const Sites& after) {
+  std::size_t moved = 0;
+  for (std::size_t k = 0; k < before.size(); ++k)
+    if (before.positions[k] != after.positions[k]) ++moved;
+  return moved;
+}
+
+/// Minimize. If cells are still far from even after the first steps, as on machines and characters
+/// made of parts, whose samples cannot go around, move sites there once: early moves save the steps
+/// to a minimum that later ones leave. Random starts are far from even everywhere.
+ClassMinimum solve_moving(const ClassProblem& problem, const ClassOptions& options,
+                          const Sites& start, Context* context) {
+  const OptimizerOptions& optimizer = options.sample.optimizer;
+  Objective objective =
+      make_objective(problem, class_of_sites(problem), options, locked_sites(problem));
+  int steps = 0;
+  Aim aim;
+  if (options.sample.start == Start::kPoisson && start.size() >= kMany)
+    aim.pauses = [&](const Evaluation& state, double decrease) {
+      return ++steps >= kFirstSteps && decrease < kSlow * optimizer.tolerance &&
+             is_uneven(problem, optimizer, objective, state, kFarFromEven);
+    };
+  Minimum found = minimize(objective, start, optimizer, context, {}, aim);
+  if (found.paused) {
+    Minimum before;
+    before.count(found);
+    const Sites moved =
+        evened(*problem.all, found.state.sites, options.sample.seed, nullptr, before.evaluations);
+    OptimizerOptions rest = optimizer;
+    rest.max_evaluations = evaluations_left(optimizer, before);
+    Stretch going_on(context, context ? context->progress() : 0.0, 1.0);
+    found = minimize(objective, moved, rest, going_on.context());
+    found.count(before);
+  }
+  return {std::move(objective), std::move(found)};
+}
+
+/// Where parts are hardly connected, steps end at a minimum in which some neighborhoods have a site
+/// too many and others one too few. Move such sites and continue from there, as long as that lowers
+/// the energy and several are to move.
 void move_over(const ClassProblem& problem, const ClassOptions& options, ClassMinimum& found,
                Context* context) {
   OptimizerOptions rest = options.sample.optimizer;
   double done = 0.0;
-  for (int round = 1; round <= kMoves && is_uneven(problem, rest, found); ++round) {
+  const auto is_not_even = [&] {
+    return is_uneven(problem, rest, found.objective, found.minimum.state, kUneven);
+  };
+  for (int round = 1; round <= kMoves && is_not_even(); ++round) {
     if (found.minimum.evaluations + kMoved >= options.sample.optimizer.max_evaluations) return;
     const double before = std::exchange(done, done + kRound * (1.0 - done));
     const double moved = before + kMoving * (done - before);
@@ -237,6 +284,11 @@ void move_over(const ClassProblem& problem, const ClassOptions& options, ClassMi
     const Sites start = evened(*problem.all, found.minimum.state.sites,
                                options.sample.seed + static_cast<std::uint64_t>(round),
                                moving.context(), evaluations);
+    if (count_moved(found.minimum.state.sites, start) < kFewest) {
+      found.minimum.evaluations = evaluations;
+      found.minimum.converged = found.minimum.converged || found.minimum.settled;
+      return;
+    }
     rest.max_evaluations = std::max(1, options.sample.optimizer.max_evaluations - evaluations);
     Minimum next = minimize(found.objective, start, rest, stepping.context());
     found.minimum.evaluations = next.evaluations += evaluations;
@@ -410,8 +462,10 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
     before.evaluations += settle_islands(problem, options.sample.seed, start, nullptr);
   if (stages) settle_alone(problem, options, start, before, alone.context());
   ClassMinimum found =
-      solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)), start,
-            options.sample.optimizer, finishing.context());
+      is_plain(problem, options)
+          ? solve_moving(problem, options, start, finishing.context())
+          : solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)),
+                  start, options.sample.optimizer, finishing.context());
   if (thin) go_on_along(found, options.sample.optimizer, going_on.context());
   if (is_plain(problem, options)) move_over(problem, options, found, moving.context());
   found.minimum.count(before);
