@@ -222,7 +222,8 @@ class MaskedSurface:
         of a camera is none. Distances are straight, and those of the surface at rest. Faces are cut
         where the values change.
 
-        >>> masked.clear_borders({"trees": ("moist", 0.3)})
+        >>> masked = MaskedSurface(surface, count=2000)
+        >>> masked.clear_borders({"trees": ("", 0.3)})
         >>> trees = dapple.SampleClass(50, radius=0.3, **masked.class_density("trees"))
 
         Args:
