@@ -47,7 +47,7 @@ constexpr std::size_t kFewest = 3;  // sites to move for which another minimizat
 // While the capacity variation is larger, apart from what whole numbers cause.
 constexpr double kUneven = 0.012;
 // Sites are moved early if the variation is larger than this after a few steps, the last of which
-// decreased the energy by less than so many tolerances. On one smooth body it is half of this then.
+// decreased the energy by less than so many tolerances. Smooth bodies are below it then.
 constexpr double kFarFromEven = 0.045;
 constexpr int kFirstSteps = 3;
 constexpr std::size_t kMany = 500;  // sites; of fewer, the variation says little after few steps
@@ -119,19 +119,23 @@ void settle_alone(const ClassProblem& problem, const ClassOptions& options, Site
 
 namespace {
 
+struct Evened {
+  Sites sites;
+  std::size_t moved = 0;
+  int evaluations = 0;
+};
+
 /// Move sites between neighborhoods so that each has its share of the density. The number of sites
 /// does not change, and sites that stay keep their index.
-Sites evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Context* context,
-             int& evaluations) {
+Evened evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Context* context) {
   const Rebalanced found = rebalance(domain, sites, sites.size(), seed, context);
-  evaluations += found.evaluations;
   std::vector<bool> stays(sites.size(), false);
   for (const std::size_t k : found.stay) stays[k] = true;
   std::vector<std::int32_t> gone;
   for (std::size_t k = 0; k < stays.size(); ++k)
     if (!stays[k]) gone.push_back(static_cast<std::int32_t>(k));
-  Sites result = sites;
-  put(result, gone, found.fresh);
+  Evened result{sites, gone.size(), found.evaluations};
+  put(result.sites, gone, found.fresh);
   return result;
 }
 
@@ -177,8 +181,11 @@ int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites
     const Surface surface = member.domain->sampling_surface(member.count);
     int rounds = Islands(surface).has_gaps() ? kSettling : 0;
     if (rounds == 0 && is_thin_shell(*member.domain, surface, own)) rounds = 1;
-    for (int round = 0; round < rounds; ++round)
-      own = evened(*member.domain, own, seed, context, evaluations);
+    for (int round = 0; round < rounds; ++round) {
+      Evened next = evened(*member.domain, own, seed, context);
+      own = std::move(next.sites);
+      evaluations += next.evaluations;
+    }
     put(sites, members, own);
   }
   return evaluations;
@@ -227,22 +234,12 @@ bool is_uneven(const ClassProblem& problem, const OptimizerOptions& options,
          variation > std::hypot(uneven, whole_count_variation(*problem.all, state.sites));
 }
 
-/// The number of sites whose position differs.
-std::size_t count_moved(const Sites& before, const Sites& after) {
-  std::size_t moved = 0;
-  for (std::size_t k = 0; k < before.size(); ++k)
-    if (before.positions[k] != after.positions[k]) ++moved;
-  return moved;
-}
-
 /// Minimize. If cells are still far from even after the first steps, as on machines and characters
 /// made of parts, whose samples cannot go around, move sites there once: early moves save the steps
 /// to a minimum that later ones leave. Random starts are far from even everywhere.
-ClassMinimum solve_moving(const ClassProblem& problem, const ClassOptions& options,
-                          const Sites& start, Context* context) {
+ClassMinimum solve_moving(const ClassProblem& problem, Objective objective, const Sites& start,
+                          const ClassOptions& options, Context* context) {
   const OptimizerOptions& optimizer = options.sample.optimizer;
-  Objective objective =
-      make_objective(problem, class_of_sites(problem), options, locked_sites(problem));
   int steps = 0;
   Aim aim;
   if (options.sample.start == Start::kPoisson && start.size() >= kMany)
@@ -254,12 +251,12 @@ ClassMinimum solve_moving(const ClassProblem& problem, const ClassOptions& optio
   if (found.paused) {
     Minimum before;
     before.count(found);
-    const Sites moved =
-        evened(*problem.all, found.state.sites, options.sample.seed, nullptr, before.evaluations);
+    const Evened moved = evened(*problem.all, found.state.sites, options.sample.seed, nullptr);
+    before.evaluations += moved.evaluations;
     OptimizerOptions rest = optimizer;
     rest.max_evaluations = evaluations_left(optimizer, before);
     Stretch going_on(context, context ? context->progress() : 0.0, 1.0);
-    found = minimize(objective, moved, rest, going_on.context());
+    found = minimize(objective, moved.sites, rest, going_on.context());
     found.count(before);
   }
   return {std::move(objective), std::move(found)};
@@ -280,17 +277,17 @@ void move_over(const ClassProblem& problem, const ClassOptions& options, ClassMi
     const double before = std::exchange(done, done + kRound * (1.0 - done));
     const double moved = before + kMoving * (done - before);
     Stretch moving(context, before, moved), stepping(context, moved, done);
-    int evaluations = found.minimum.evaluations;
-    const Sites start = evened(*problem.all, found.minimum.state.sites,
-                               options.sample.seed + static_cast<std::uint64_t>(round),
-                               moving.context(), evaluations);
-    if (count_moved(found.minimum.state.sites, start) < kFewest) {
+    const Evened start =
+        evened(*problem.all, found.minimum.state.sites,
+               options.sample.seed + static_cast<std::uint64_t>(round), moving.context());
+    const int evaluations = found.minimum.evaluations + start.evaluations;
+    if (start.moved < kFewest) {
       found.minimum.evaluations = evaluations;
       found.minimum.converged = found.minimum.converged || found.minimum.settled;
       return;
     }
     rest.max_evaluations = std::max(1, options.sample.optimizer.max_evaluations - evaluations);
-    Minimum next = minimize(found.objective, start, rest, stepping.context());
+    Minimum next = minimize(found.objective, start.sites, rest, stepping.context());
     found.minimum.evaluations = next.evaluations += evaluations;
     next.iterations += found.minimum.iterations;
     if (!(next.state.total < found.minimum.state.total)) {
@@ -453,7 +450,8 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
   const double together = stages ? started + kAlone * (1.0 - started) : started;
   Stretch alone(context, started, together);
   const bool thin = 2 * along > start.size();
-  const double last = is_plain(problem, options) ? together + kNearly * (1.0 - together) : 1.0;
+  const bool plain = is_plain(problem, options);
+  const double last = plain ? together + kNearly * (1.0 - together) : 1.0;
   const double first = thin ? together + kRound * (last - together) : last;
   Stretch finishing(context, together, first), going_on(context, first, last),
       moving(context, last, 1.0);
@@ -461,13 +459,13 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
   if (options.sample.start == Start::kPoisson)
     before.evaluations += settle_islands(problem, options.sample.seed, start, nullptr);
   if (stages) settle_alone(problem, options, start, before, alone.context());
+  Objective objective =
+      make_objective(problem, class_of_sites(problem), options, locked_sites(problem));
   ClassMinimum found =
-      is_plain(problem, options)
-          ? solve_moving(problem, options, start, finishing.context())
-          : solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)),
-                  start, options.sample.optimizer, finishing.context());
+      plain ? solve_moving(problem, std::move(objective), start, options, finishing.context())
+            : solve(std::move(objective), start, options.sample.optimizer, finishing.context());
   if (thin) go_on_along(found, options.sample.optimizer, going_on.context());
-  if (is_plain(problem, options)) move_over(problem, options, found, moving.context());
+  if (plain) move_over(problem, options, found, moving.context());
   found.minimum.count(before);
   return found;
 }
