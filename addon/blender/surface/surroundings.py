@@ -128,12 +128,13 @@ def nearby_parts(
         yield from _picture_parts(found, density, known)
     if density.use_camera_view:
         found.camera = read_camera(evaluated())
-        yield from _hiding_parts(found, density, surface, own, known)
+        if density.camera_hidden and density.hiding_collection:
+            others = obstacles_of(density.hiding_collection, surface.get(), _object(own))
+            found.hiding = yield from _solid_parts(others, known)
     if density.avoid_collection:
         others = obstacles_of(density.avoid_collection, surface.get(), _object(own))
         found.points, found.radii = balls(others, density.avoid_margin, known.scatters)
-        for other in [ObjectHandle(one) for one in others if not is_scatter(one)]:
-            found.obstacles.append((yield from _nearby_mesh(other, known)))
+        found.obstacles = yield from _solid_parts(others, known)
     yield from _target_parts(found, density, surface, own, known)
     return found
 
@@ -162,19 +163,12 @@ def _nearby_mesh(other: ObjectHandle, known: Known) -> Parts:
     return mesh
 
 
-def _hiding_parts(
-    found: Nearby,
-    density: DensitySettings,
-    surface: ObjectHandle,
-    own: ObjectHandle | None,
-    known: Known,
-) -> Parts:
-    """Read the objects that hide the surface from the camera."""
-    if not (density.camera_hidden and density.hiding_collection):
-        return
-    others = obstacles_of(density.hiding_collection, surface.get(), _object(own))
+def _solid_parts(others: list[bpy.types.Object], known: Known) -> Parts:
+    """Read the meshes of objects, without those of scatters."""
+    found = []
     for other in [ObjectHandle(one) for one in others if not is_scatter(one)]:
-        found.hiding.append((yield from _nearby_mesh(other, known)))
+        found.append((yield from _nearby_mesh(other, known)))
+    return found
 
 
 def _target_parts(

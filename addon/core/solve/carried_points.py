@@ -62,7 +62,7 @@ def carried_points(
         if vertices is not solved.arrays.vertices:
             surface = surface.deformed(vertices)
         changed: Ints = package().changed_faces(surface, masked.surface)
-        for name in sorted(set(values_of(settings)) - {""}):
+        for name in _values(settings):
             other = solved.masked.corner_density(name) != masked.corner_density(name)
             changed = np.union1d(changed, np.flatnonzero(other.any(axis=1))).astype(np.int32)
         samples = solved.samples
@@ -94,6 +94,11 @@ def _in_pose(before: SurfaceArrays, now: SurfaceArrays) -> Floats:
     return found
 
 
+def _values(settings: Settings) -> list[str]:
+    """Names of the values that object types have their densities from."""
+    return sorted(set(values_of(settings)) - {""})
+
+
 def _densities(settings: Settings) -> list[str]:
     """Names of the values that multiply the densities of object types."""
     return sorted({kind.density for kind in settings.object_types if kind.density})
@@ -108,7 +113,7 @@ def _changed_pieces(
 ) -> Ints:
     """Refined faces whose density or shape changed."""
     names = _densities(settings)
-    own = sorted(set(values_of(settings)) - {""})
+    own = _values(settings)
     now = _pieces(masked, arrays, own)
     same = np.isin(now, _pieces(before, old, own))
     alike = (old.vertices == arrays.vertices).all(axis=1)[arrays.faces].all(axis=1)
