@@ -80,6 +80,15 @@ def _link(obj):
     return obj
 
 
+def collection_of(*objects):
+    """A new collection in the scene."""
+    made = bpy.data.collections.new("Things")
+    bpy.context.scene.collection.children.link(made)
+    for obj in objects:
+        made.objects.link(obj)
+    return made
+
+
 def activate(obj):
     for other in bpy.context.selected_objects:
         other.select_set(False)

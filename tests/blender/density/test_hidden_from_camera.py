@@ -37,14 +37,6 @@ def seen(surface, hiding=None, count=150):
     return obj
 
 
-def collected(*objects):
-    found = bpy.data.collections.new("Hiding")
-    bpy.context.scene.collection.children.link(found)
-    for obj in objects:
-        found.objects.link(obj)
-    return found
-
-
 @pytest.mark.parametrize("orthographic", [False, True])
 def test_no_points_behind_the_body_itself(orthographic):
     camera(orthographic)
@@ -59,7 +51,7 @@ def test_no_points_behind_the_body_itself(orthographic):
 def test_no_points_behind_other_objects():
     camera()
     wall, shade = board(0.0, 3.0), board(3.0, 0.5)
-    hiding = collected(shade)
+    hiding = scenes.collection_of(shade)
     obj = seen(wall, hiding)
     shadow = 0.25 * FAR / (FAR - 3.0)  # half its width on the wall
     places = np.abs(scenes.positions(obj)[:, 1:]).max(axis=1)
@@ -74,7 +66,7 @@ def test_no_points_behind_other_objects():
 def test_a_bake_leaves_out_what_is_hidden_on_each_frame():
     camera()
     wall, shade = board(0.0, 3.0), board(3.0, 0.5)
-    obj = seen(wall, collected(shade))
+    obj = seen(wall, scenes.collection_of(shade))
     for frame, y in ((1, 0.0), (4, 0.3)):
         shade.location.y = y
         shade.keyframe_insert("location", frame=frame)
@@ -95,7 +87,7 @@ def test_nothing_seen_is_an_error():
     before = scenes.positions(obj)
     density = obj.dapple.density
     density.use_camera_view = density.camera_hidden = True
-    density.hiding_collection = collected(shade)
+    density.hiding_collection = scenes.collection_of(shade)
     with pytest.raises(RuntimeError, match=NOTHING):
         bpy.ops.dapple.optimize()
     np.testing.assert_array_equal(scenes.positions(obj), before)

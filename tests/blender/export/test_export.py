@@ -63,19 +63,11 @@ def solid(name, size=0.1):
     return obj
 
 
-def collection_of(*objects):
-    made = bpy.data.collections.new("Things")
-    bpy.context.scene.collection.children.link(made)
-    for obj in objects:
-        made.objects.link(obj)
-    return made
-
-
 @pytest.fixture
 def trees():
     """A scatter of two kinds of trees on a tail that moves."""
     obj = scenes.scattered(scenes.tail(frames=4), count=60)
-    obj.dapple.collection = collection_of(solid("Pine"), solid("Oak"))
+    obj.dapple.collection = scenes.collection_of(solid("Pine"), solid("Oak"))
     obj.dapple.random_scale_down = 0.5
     return obj
 
@@ -257,7 +249,7 @@ def test_what_only_the_viewport_leaves_out_is_exported(tmp_path, trees):
 def test_objects_of_a_collection_that_stand_together_have_ids_of_their_own(tmp_path):
     crown, trunk = solid("Crown"), solid("Trunk")
     crown.location, trunk.location = (0, 0, 1), (0, 0, 0)
-    whole, outer = collection_of(crown, trunk), bpy.data.collections.new("Outer")
+    whole, outer = scenes.collection_of(crown, trunk), bpy.data.collections.new("Outer")
     bpy.context.scene.collection.children.unlink(whole)
     outer.children.link(whole)
     obj = scenes.scattered(scenes.sphere(), count=25)

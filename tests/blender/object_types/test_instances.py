@@ -25,14 +25,6 @@ def radius_of(obj):
     return max(np.hypot(vertex.co.x, vertex.co.y) for vertex in obj.data.vertices)
 
 
-def collection_of(*objects):
-    made = bpy.data.collections.new("Things")
-    bpy.context.scene.collection.children.link(made)
-    for obj in objects:
-        made.objects.link(obj)
-    return made
-
-
 def shown(obj):
     """Name of the object, place and scale (n, 3) of each instance."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -114,7 +106,7 @@ def test_each_object_of_a_collection_is_fitted_by_its_own_bounds():
     things = [box("Flat", (4.0, 4.0, 0.1)), box("Pole", (0.1, 0.1, 5.0)), box("Log", (1, 9, 1))]
     empty = bpy.data.objects.new("Empty", None)
     obj = scenes.scattered(scenes.sphere(), count=200)
-    obj.dapple.collection, obj.dapple.fit_to_spacing = collection_of(*things, empty), 1.0
+    obj.dapple.collection, obj.dapple.fit_to_spacing = scenes.collection_of(*things, empty), 1.0
     names, places, scales = shown(obj)
     radii = {"Empty": 1.0, **{thing.name: radius_of(thing) for thing in things}}
     assert set(names) == set(radii)
@@ -127,7 +119,7 @@ def test_each_object_of_a_collection_is_fitted_by_its_own_bounds():
 def test_a_collection_in_a_collection_is_fitted_as_a_whole():
     left, right = box("Left", (1, 1, 1), (-2.0, 0.0, 0.0)), box("Right", (1, 1, 1), (3.0, 0.0, 0.0))
     outer = bpy.data.collections.new("Outer")
-    outer.children.link(collection_of(left, right))
+    outer.children.link(scenes.collection_of(left, right))
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.collection, obj.dapple.fit_to_spacing = outer, 1.0
     names, _, scales = shown(obj)
@@ -211,11 +203,11 @@ def test_a_radius_from_a_collection_is_that_of_its_largest_object():
     small, large = box("Small", (0.1, 0.1, 0.1)), box("Large", (0.6, 0.8, 0.1))
     large.scale = (3.0, 3.0, 3.0)  # this object is not instanced
     left, right = box("Left", (1, 1, 1), (-2.0, 0.0, 0.0)), box("Right", (1, 1, 1), (3.0, 0.0, 0.0))
-    chosen = collection_of(small, large, bpy.data.objects.new("Empty", None))
+    chosen = scenes.collection_of(small, large, bpy.data.objects.new("Empty", None))
     obj = with_classes(scenes.sphere(), {"collection": chosen}, {}, count=40)
     kind = following(obj)
     assert kind.radius == pytest.approx(0.5)
-    chosen.children.link(collection_of(left, right))
+    chosen.children.link(scenes.collection_of(left, right))
     bpy.context.view_layer.update()
     assert kind.radius == pytest.approx(np.hypot(3.5, 0.5))
 
@@ -285,9 +277,9 @@ ODD_NAMES = [
 
 def test_members_are_in_the_order_in_which_nodes_have_them():
     things = [box(name, (0.1, 0.1, 0.1)) for name in ODD_NAMES]
-    chosen = collection_of(*things[::2])
+    chosen = scenes.collection_of(*things[::2])
     for thing in things[1::2]:
-        chosen.children.link(collection_of(thing))
+        chosen.children.link(scenes.collection_of(thing))
         chosen.children[-1].name = f"{thing.name}c"
     obj = scenes.scattered(scenes.sphere(), count=30 * len(things))
     obj.dapple.collection, obj.dapple.use_weights = chosen, True
@@ -302,7 +294,7 @@ def test_members_are_in_the_order_in_which_nodes_have_them():
 def test_weights_say_how_often_objects_are_picked():
     things = [box(name, (0.1, 0.1, 0.1)) for name in ("A", "B", "C")]
     obj = scenes.scattered(scenes.sphere(), count=1000)
-    obj.dapple.collection = collection_of(*things)
+    obj.dapple.collection = scenes.collection_of(*things)
     before = shown(obj)[0]
     obj.dapple.use_weights = True
     assert [one.object for one in obj.dapple.weights] == things
@@ -322,7 +314,7 @@ def test_weights_say_how_often_objects_are_picked():
 def test_weights_and_fit_work_together():
     things = [box("A", (0.5, 0.5, 1.0)), box("B", (3.0, 4.0, 1.0))]
     obj = scenes.scattered(scenes.sphere(), count=100)
-    obj.dapple.collection, obj.dapple.fit_to_spacing = collection_of(*things), 1.0
+    obj.dapple.collection, obj.dapple.fit_to_spacing = scenes.collection_of(*things), 1.0
     obj.dapple.use_weights, obj.dapple.weights[1].weight = True, 4.0
     names, places, scales = shown(obj)
     own = np.array([{"A": np.sqrt(0.125), "B": 2.5}[name] for name in names])
@@ -333,7 +325,7 @@ def test_weights_and_fit_work_together():
 def test_a_weight_stays_with_its_object():
     things = [box(name, (0.1, 0.1, 0.1)) for name in ("B", "C")]
     obj = scenes.scattered(scenes.sphere(), count=60)
-    obj.dapple.collection = chosen = collection_of(*things)
+    obj.dapple.collection = chosen = scenes.collection_of(*things)
     obj.dapple.use_weights, obj.dapple.weights[0].weight = True, 0.0
     assert set(shown(obj)[0]) == {"C"}
     chosen.objects.link(box("A", (0.1, 0.1, 0.1)))
@@ -355,7 +347,7 @@ def test_a_weight_stays_with_its_object():
 def test_each_class_has_its_weights_and_the_first_takes_over_those_of_the_scatter():
     things = [box(name, (0.1, 0.1, 0.1)) for name in ("A", "B")]
     obj = scenes.scattered(scenes.sphere(), count=60)
-    obj.dapple.collection, obj.dapple.use_weights = collection_of(*things), True
+    obj.dapple.collection, obj.dapple.use_weights = scenes.collection_of(*things), True
     obj.dapple.weights[0].weight = 0.0
     for _ in range(2):
         assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
