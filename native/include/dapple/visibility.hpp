@@ -12,9 +12,10 @@ namespace dapple {
 
 /// Which points an eye sees: nothing of the surface is between them and the eye. Faces block from
 /// both sides; those nearer to a point than a few millionths of the surface's size do not, so
-/// points may lie on it. \param eye  in homogeneous coordinates: a place with 1 in the end, or, for
-/// parallel light, the
-///             direction to the eye with 0 in the end
+/// points may lie on it.
+///
+/// \param eye in homogeneous coordinates: a place with 1 at the end, or, for parallel light, the
+///            direction to the eye with 0 at the end
 /// \return 1 or 0 per point
 /// \throw ArgumentError if the eye is not finite or its last number is neither 0 nor 1, or its
 ///        direction has no length; naming the first point that is not finite; Cancelled

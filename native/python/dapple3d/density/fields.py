@@ -119,10 +119,8 @@ class Clearance(Distance):
         self._distance = distance
 
     def changes(self, points: Floats, faces: Ints) -> Flags:
-        farthest, longest = (
-            self._looked_up(points)[faces].max(axis=1),
-            _longest_edges(points[faces]),
-        )
+        farthest = self._looked_up(points)[faces].max(axis=1)
+        longest = _longest_edges(points[faces])
         farthest += np.where(longest > 0.5 * self._distance, self.beyond(longest), 0.0)
         found: Flags = ~self._is_clear(points, faces) & (farthest >= self._distance)
         return found
