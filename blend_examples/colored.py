@@ -93,7 +93,7 @@ def main() -> None:
             made.dapple.color_attribute = "Fur"
         else:
             made.dapple.color_image = rings()
-    build_studio(given.width, given.width // 2, (0.0, -6.4, 4.2), (0.0, 0.0, 0.6), 45)
+    build_studio(given.width, given.width // 2, (0.0, -6.4, 4.2), (0.0, 0.0, 0.6), 40)
     finish("colored", given, f"{2 * count} studs in the colors below them")
 
 

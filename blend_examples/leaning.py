@@ -57,7 +57,7 @@ def main() -> None:
         made.dapple.random_tilt, made.dapple.random_scale_down = math.radians(6), 0.3
         for name, value in lean.items():
             setattr(made.dapple, name, value)
-    build_studio(given.width, given.width // 3, (0.0, -8.6, 2.6), (0.0, 0.0, 0.5), 38)
+    build_studio(given.width, given.width // 3, (0.0, -8.6, 2.6), (0.0, 0.0, 0.5), 34)
     finish("leaning", given, f"{3 * (given.count // 3)} reeds: upright, apart, to the sun")
 
 
