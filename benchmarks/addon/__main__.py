@@ -21,6 +21,7 @@ import addon
 from addon.blender.surface.reading import read
 from addon.core.settings.values import DensitySettings, Settings
 from addon.nodes import ensure_group
+from benchmarks.addon.against import compared
 from benchmarks.addon.following import CASES, measure_following
 from benchmarks.addon.playback import (
     DISPLAYED,
@@ -69,11 +70,14 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--sites", type=int, default=100_000)
     parser.add_argument("--faces", type=int, default=1_000_000, help="triangles that are read")
     parser.add_argument("--rounds", type=int, default=8, help="turns of each measurement")
+    parser.add_argument("--turns", type=int, default=5, help="turns with another checkout")
     parser.add_argument("--only", choices=_PARTS)
     parser.add_argument("--moved", action="store_true", help="play on a turned surface elsewhere")
     parser.add_argument("--flat", action="store_true", help="play on a surface with flat faces")
     parser.add_argument(
-        "--against", type=Path, help="checkout with other node groups to play back in turns"
+        "--against",
+        type=Path,
+        help="checkout whose add-on is measured in turns: playback, redraw and following",
     )
     return parser.parse_args()
 
@@ -111,6 +115,10 @@ def _playback(options: argparse.Namespace) -> None:
 
 
 def _redraw(options: argparse.Namespace) -> None:
+    if options.against:
+        numbers = options.sites, options.faces, options.rounds
+        _compare(options, "redraw", "measure_redraw", *numbers)
+        return
     taken = measure_redraw(options.sites, options.faces, options.rounds)
     print(f"the panels of {options.sites} points on {options.faces} triangles")
     for name, time_taken in taken.items():
@@ -174,6 +182,11 @@ def _following(options: argparse.Namespace) -> None:
     for sites, faces, types, goal in CASES:
         if sites > options.sites:
             continue
+        if options.against:
+            print(f"a stroke with {sites} points of {types} object types on {faces} triangles")
+            numbers = sites, faces, options.rounds, types
+            _compare(options, "following", "measure_following", *numbers)
+            continue
         _empty_file()
         taken = measure_following(sites, faces, options.rounds, types)
         shown, done = taken.pop("points"), taken.pop("all")
@@ -184,6 +197,12 @@ def _following(options: argparse.Namespace) -> None:
             print(f"    {name}: {_ms(seconds)}")
 
 
+def _compare(options: argparse.Namespace, module: str, name: str, *numbers: int) -> None:
+    found = compared(options.against, options.turns, module, name, *numbers)
+    for label, (here, there) in found.items():
+        print(f"  {label}: {_ms(here)}, there {_ms(there)}, ratio {here / there:.2f}")
+
+
 def _timed(work: Callable[..., object], *arguments: object) -> float:
     begin = time.perf_counter()
     work(*arguments)
@@ -191,7 +210,7 @@ def _timed(work: Callable[..., object], *arguments: object) -> float:
 
 
 def _ms(seconds: float) -> str:
-    return f"{1000.0 * seconds:.1f} ms"
+    return f"{1000.0 * seconds:.{1 if seconds >= 0.01 else 3}f} ms"
 
 
 def _judged(seconds: float, goal: float) -> str:

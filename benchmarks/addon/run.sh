@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sets up what is missing, then measures the add-on: playback, redraw, node groups, reading, enabling, strokes.
 #   benchmarks/addon/run.sh [--sites N] [--rounds N] [--only playback|redraw|groups|reading|enabling|following]
-#     [--moved] [--flat] [--against CHECKOUT]
+#     [--moved] [--flat] [--against CHECKOUT [--turns N]]
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
 scripts/setup.sh --dev >&2

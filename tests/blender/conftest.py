@@ -28,6 +28,7 @@ import child  # noqa: E402
 import following  # noqa: E402
 import pressing  # noqa: E402
 import probe  # noqa: E402
+import startup  # noqa: E402
 
 _status = [1]  # replaced by the result of the tests
 _TAKEN = os.environ.get("DAPPLE_TAKEN")
@@ -44,6 +45,7 @@ def pytest_sessionstart(session):
 def pytest_configure(config):
     """Name the marks."""
     config.addinivalue_line("markers", "sampled(n): one case in n, unless DAPPLE_THOROUGH is set")
+    config.addinivalue_line("markers", "empty_file: begin without node groups, as Blender does")
 
 
 def pytest_collection_modifyitems(config, items):
@@ -101,11 +103,11 @@ def addon():
 
 
 @pytest.fixture(autouse=True)
-def fresh_file(addon):
+def fresh_file(request, addon):
     """An empty scene, no work files of another test's bakes, and no presets of its."""
     shutil.rmtree(Path(bpy.app.tempdir, "dapple"), ignore_errors=True)
     shutil.rmtree(addon_host.part("blender.presets.stored").folder(), ignore_errors=True)
-    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    startup.empty() if request.node.get_closest_marker("empty_file") else startup.begin()
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 6
 
 

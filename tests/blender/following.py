@@ -96,6 +96,8 @@ class Driver:
         for _ in _patient():
             self.look()
             self.clock.rest()
-            self.look()
+            wait = self.look()
             if not self.watcher.is_active():
                 return
+            if self.watcher.is_solving():
+                time.sleep(wait or 0.0)  # as Blender does, while the worker has the processor

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 import scenes
 
+pytestmark = pytest.mark.empty_file  # the node groups are built here
+
 
 def moving(count=60):
     """A baked scatter on a tail that bends."""

@@ -41,6 +41,7 @@ def rimmed(surface):
 SURFACES = [broken, faceless, rimmed]
 
 
+@pytest.mark.empty_file
 @pytest.mark.parametrize("spoil", SURFACES)
 @pytest.mark.parametrize("attach_to", ["AUTO", "FACES", "REST"])
 def test_add(spoil, attach_to):

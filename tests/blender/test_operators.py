@@ -203,6 +203,7 @@ class Window:
         self.asked, self.started, self.answer = [], [], answer
         self.operators = addon_host.part("blender.solve.operators")
         self.of_bakes = addon_host.part("blender.bake.operators")
+        self.of_presets = addon_host.part("blender.presets.operators")
         bpy_there = SimpleNamespace(
             app=SimpleNamespace(background=False),
             ops=SimpleNamespace(
@@ -282,3 +283,16 @@ def test_discarding_frames_asks_as_it_cannot_be_undone(monkeypatch, answer):
     assert window.asked == [("Discard the unfinished bake?", said)]
     assert files.frames() == (0 if answer else 6)
     files.clear()
+
+
+@pytest.mark.parametrize("answer", [True, False])
+def test_removing_a_preset_asks_and_names_it(monkeypatch, answer):
+    scenes.scattered(scenes.sphere())
+    bpy.ops.dapple.save_preset(name="Pebbles")
+    window = Window(monkeypatch, answer)
+    window.press(window.of_presets.DAPPLE_OT_remove_preset, name="Pebbles")
+    said = "The file of 'Pebbles' will be deleted from disk"
+    assert window.asked == [("Delete the preset?", said)]
+    folder = addon_host.part("blender.presets.stored").folder()
+    left = addon_host.part("core.settings.presets").names(folder)
+    assert list(left) == ([] if answer else ["Pebbles"])

@@ -6,6 +6,8 @@ import bpy
 import pytest
 import scenes
 
+pytestmark = pytest.mark.empty_file  # the node groups are built here
+
 
 def values(group):
     """Properties of a group and of the groups inside, by their paths."""

@@ -8,7 +8,7 @@ from ...core.settings import presets
 from ..base.handlers import Subscriber
 from ..base.panel_values import CachedValue
 from ..base.step_operators import OPTIONS, AllOrNothing, Status
-from ..base.translation import translated
+from ..base.translation import operator_label, translated
 from ..scatter.object import is_scatter
 from ..surface.polls import writable
 from .stored import apply, folder, values_of
@@ -31,6 +31,12 @@ class DAPPLE_OT_save_preset(_PresetOperator, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         return context.window_manager.invoke_props_dialog(self)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.prop(self, "name")
+        if self.name in PRESETS.of():
+            text = translated("Replaces the preset of this name")
+            self.layout.label(text=text, icon="INFO", translate=False)
 
     def work(self, context: bpy.types.Context) -> None:
         presets.store(folder(), self.name, values_of(context.object))
@@ -62,7 +68,14 @@ class DAPPLE_OT_remove_preset(_PresetOperator, bpy.types.Operator):
         return True  # a preset is of no object
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        return context.window_manager.invoke_confirm(self, event)
+        return context.window_manager.invoke_confirm(
+            self,
+            event,
+            title=translated("Delete the preset?"),
+            message=translated("The file of '{name}' will be deleted from disk", name=self.name),
+            confirm_text=operator_label(self.bl_label),
+            icon="WARNING",
+        )
 
     def work(self, context: bpy.types.Context) -> None:
         presets.remove(folder(), self.name)

@@ -294,6 +294,7 @@ ERRORS = {
 }
 
 
+@pytest.mark.empty_file
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("foreseen", ERRORS)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case[0]}-{case[2].__name__}")
@@ -460,6 +461,7 @@ def works(name, obj, count):
         assert obj.dapple.report.count == len(mesh.vertices)
 
 
+@pytest.mark.empty_file
 @pytest.mark.parametrize("change", CHANGES, ids=lambda one: one.__name__)
 def test_add_on_scales_and_places_that_cannot_be(change):
     surface = scenes.sphere()

@@ -16,6 +16,7 @@ import bpy
 import numpy as np
 import pytest
 import scenes
+import startup
 
 ROOT = Path(__file__).parents[3]
 OPENJD, FLAMENCO = (ROOT / "packaging" / "farm" / name for name in ("openjd", "flamenco"))
@@ -29,7 +30,7 @@ def shots(folder, frames):
     folder.mkdir()
     paths = []
     for seed, count in enumerate(frames):
-        bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+        startup.begin()
         bpy.context.scene.frame_start = 1
         obj = scenes.scattered(scenes.tail(frames=count), count=80)
         obj.name, obj.dapple.seed = "Scales", seed

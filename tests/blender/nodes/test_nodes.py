@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import scenes
 
+pytestmark = pytest.mark.empty_file  # the node groups are built here
+
 
 def bound_to_every_triangle(surface):
     """Scatter object with a point in each triangle of a mesh without modifiers; its corners."""

@@ -9,6 +9,8 @@ import bpy
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.empty_file  # the node groups are built here
+
 AXES = np.array([v for v in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(v)])
 
 

@@ -312,3 +312,14 @@ def test_presets_can_be_removed_where_no_scatter_is_selected(folder, where):
         preferred.DAPPLE_AP_preferences.draw(preferences, bpy.context)
     assert "dapple.remove_preset" in shown
     assert "dapple.load_preset" not in shown
+
+
+@pytest.mark.parametrize("name", ["Meadow", "Other"])
+def test_the_dialog_says_that_a_preset_is_replaced(folder, name):
+    scenes.scattered(scenes.sphere())
+    bpy.ops.dapple.save_preset(name="Meadow")
+    operators, shown = addon_host.part("blender.presets.operators"), []
+    dialog = types.SimpleNamespace(layout=Layout(shown), name=name)
+    dialog.layout.prop = lambda *_: None
+    operators.DAPPLE_OT_save_preset.draw(dialog, bpy.context)
+    assert shown == (["Replaces the preset of this name"] if name == "Meadow" else [])
