@@ -14,7 +14,7 @@ mkdir -p "$logs"
 export PATH="$venv/bin:/usr/bin:/bin:/usr/sbin:/sbin:$PATH"
 export LC_ALL=C.UTF-8
 unset PYTHONPATH PYTHONHOME
-unset PYTHONDONTWRITEBYTECODE # compiling the add-on takes a third of a start of Blender, and tests start it often
+unset PYTHONDONTWRITEBYTECODE # compiling the add-on takes a quarter of a start of Blender, and tests start it often
 
 fail() {
   printf 'error: %s\n' "$*" >&2

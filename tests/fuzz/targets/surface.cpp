@@ -4,10 +4,12 @@
 #include <array>
 #include <brute_force.hpp>
 #include <cmath>
+#include <dapple/crowding.hpp>
 #include <dapple/curvature.hpp>
 #include <dapple/energy.hpp>
 #include <dapple/projector.hpp>
 #include <dapple/topology.hpp>
+#include <dapple/visibility.hpp>
 #include <limits>
 
 #include "expect.hpp"
@@ -87,6 +89,23 @@ void expect_curvature(const Surface& surface) {
   }
 }
 
+void fuzz_points(Bytes& bytes, const Surface& surface) {
+  std::vector<Vec3> points = take_sites(bytes, surface, bytes.below(40)).positions;
+  if (!points.empty() && bytes.one_in(4)) points.back() = points.front();
+  if (!points.empty() && bytes.one_in(8)) points[0] = {bytes.wild(), bytes.wild(), bytes.wild()};
+  if (const auto away = answer([&] { return away_from_neighbors(points); })) {
+    EXPECT_EQ(away->size(), points.size());
+    for (const Vec3& direction : *away) EXPECT_LE(direction.norm(), 1.0 + 1e-9);
+  }
+  const double size = std::sqrt(surface.area()), distance = bytes.one_in(2) ? 0.0 : 1.0;
+  std::array<double, 4> eye = {size * bytes.power(-6, 6), -size, 0.5 * size, distance};
+  if (bytes.one_in(8)) eye[static_cast<std::size_t>(bytes.below(4))] = bytes.wild();
+  if (const auto seen = answer([&] { return seen_from(surface, eye, points); })) {
+    EXPECT_EQ(seen->size(), points.size());
+    for (const std::uint8_t one : *seen) EXPECT_LE(one, 1);
+  }
+}
+
 /// Where the plane half-way between two sites is all but parallel to a face that it crosses, the
 /// rounding of coordinates moves the line in which they meet, for each of the two its own way.
 double area_by_flat_bisectors(const Surface& surface, const Sites& sites) {
@@ -147,6 +166,7 @@ void fuzz_surface(Bytes& bytes) {
   expect_curvature(*surface);
   fuzz_projector(bytes, shape, *surface);
   fuzz_energy(bytes, *surface);
+  fuzz_points(bytes, *surface);
 }
 
 }  // namespace dapple::fuzz
