@@ -14,6 +14,8 @@ from .surface.arrays import Floats, Ints
 _INWARD = 1e-3  # of the way from a corner on a line to the middle of its triangle
 _OUTSIDE = 0.05  # of a triangle, that a corner may lie outside
 
+Options = dict[str, float]  # of the package's remesh(), by name
+
 
 @dataclass(frozen=True)
 class OldMesh:
@@ -38,6 +40,7 @@ class NewMesh:
     lines: Ints  # (k, 2) edges along lines
     line_source: Ints  # (k, 2) the vertices of the old edge that each lies on
     report: Any
+    max_distance: float  # that was asked for; 0: none
 
     def at_vertices(self, values: NDArray[Any], faces: Ints) -> Floats:
         """Values (v,) or (v, w) of the old vertices at the new ones."""
@@ -58,19 +61,17 @@ class NewMesh:
         return faces[self.source, corner]
 
 
-def remeshed(old: OldMesh, count: int, feature_angle: float, context: Any) -> NewMesh:
+def remeshed(old: OldMesh, count: int, options: Options, context: Any) -> NewMesh:
     """Remesh, and find the old faces and edges under each part of the new mesh."""
     if len(old.faces) == 0:
         raise ScatterError(f"'{old.name}' has no faces: a new mesh needs a surface")
     with named(old.name):
         surface = package().Surface(old.vertices, old.faces)
-        made = package().remesh(
-            surface, count, feature_angle=feature_angle, edges=old.lines, context=context
-        )
-        return _with_sources(surface, old, made)
+        made = package().remesh(surface, count, edges=old.lines, context=context, **options)
+        return _with_sources(surface, old, made, options["max_distance"])
 
 
-def _with_sources(surface: Any, old: OldMesh, made: Any) -> NewMesh:
+def _with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) -> NewMesh:
     faces, vertices = np.array(made.faces), np.array(made.vertices)
     middles = vertices[faces].mean(axis=1)
     face_source = package().project(surface, middles).faces
@@ -93,6 +94,7 @@ def _with_sources(surface: Any, old: OldMesh, made: Any) -> NewMesh:
         lines=lines,
         line_source=_old_edges(surface, old, vertices[lines].mean(axis=1)),
         report=made.report,
+        max_distance=max_distance,
     )
 
 

@@ -15,8 +15,8 @@ namespace dapple {
 inline auto members(RemeshReport& r) {
   return std::tie(r.asked, r.vertices, r.faces, r.on_lines, r.corners, r.dropped_lines,
                   r.smallest_angle, r.mean_smallest_angle, r.below_30, r.valence_6, r.flipped,
-                  r.nonmanifold_edges, r.euler, r.border_loops, r.flaws, r.evaluations, r.converged,
-                  r.seconds, r.profile);
+                  r.nonmanifold_edges, r.euler, r.border_loops, r.flaws, r.distance, r.evaluations,
+                  r.converged, r.seconds, r.profile);
 }
 inline auto members(RemeshResult& r) {
   return std::tie(r.vertices, r.faces, r.source_faces, r.barycentric, r.features, r.lines,
@@ -92,6 +92,8 @@ void bind_report(py::module_& m) {
                     "Number of closed borders; -1 if the mesh is not manifold.")
       .def_readonly("flaws", &RemeshReport::flaws,
                     "Number of places where the topology differs from that of the surface.")
+      .def_readonly("distance", &RemeshReport::distance,
+                    "The largest distance that max_distance limits; 0 without a limit.")
       .def_readonly("evaluations", &RemeshReport::evaluations, "Of the energy and its gradient.")
       .def_readonly("converged", &RemeshReport::converged,
                     "False if the evaluations ran out first.")

@@ -451,6 +451,7 @@ CASES |= {
     "remesh": remeshed(TORUS, 500),
     "remesh_box": remeshed(BOX, 300),
     "remesh_smooth": remeshed(BOX, 300, feature_angle=180),
+    "remesh_near": remeshed(TORUS, 100, max_distance=0.02),
 }
 
 

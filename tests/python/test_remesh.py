@@ -74,6 +74,8 @@ def test_marked_edges_stay():
         ({"edges": [[0, 99]]}, r"edges\[0\] is \(0, 99\): no face has this edge"),
         ({"edges": [0, 1]}, "edges has the shape"),
         ({"feature_angle": 181}, "feature_angle is 181"),
+        ({"max_distance": -0.1}, "max_distance is -0.1"),
+        ({"max_distance": float("nan")}, "max_distance is nan"),
         ({"non_manifold": "gone"}, "non_manifold is 'gone'"),
         ({"count": 0}, "count is 0"),
     ],
@@ -81,6 +83,27 @@ def test_marked_edges_stay():
 def test_names_what_is_wrong(given, message):
     with pytest.raises(ValueError, match=message):
         dapple.remesh(cube(), **{"count": 50, **given})
+
+
+def test_vertices_are_added_until_the_mesh_is_near():
+    surface = dapple.Surface(*shapes.torus(48, 24))
+    coarse = dapple.remesh(surface, 60)
+    near = dapple.remesh(surface, 60, max_distance=0.02)
+    assert coarse.report.distance == 0.0
+    assert len(coarse) == 60 < len(near) < 600
+    assert near.report.distance <= 0.02
+    found = dapple.project(dapple.Surface(near.vertices, near.faces), surface.vertices)
+    assert found.distances.max() <= 0.02
+    assert near.report.flaws == 0
+    assert near.report.euler == 0
+
+
+def test_a_distance_that_cannot_be_reached_is_told():
+    surface = dapple.Surface(*shapes.torus(48, 24))
+    mesh = dapple.remesh(surface, 20, max_distance=1e-12)
+    assert len(mesh) > 20
+    assert mesh.report.distance > 1e-12
+    assert mesh.report.flaws == 0
 
 
 def test_stops_when_cancelled():

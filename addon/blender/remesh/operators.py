@@ -8,10 +8,10 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps, Task
-from ...core.remesh import NewMesh, remeshed
+from ...core.remesh import NewMesh, Options, remeshed
 from ..base.all_or_nothing import Status, all_or_nothing
 from ..base.object_handles import ObjectHandle
-from ..base.operator_jobs import Outcome
+from ..base.operator_jobs import Messages, Outcome
 from ..base.step_operators import OPTIONS, StepsOperator
 from ..base.translation import translated, translated_report
 from ..scatter.linked_data import read_only
@@ -52,6 +52,15 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         subtype="ANGLE",
     )
 
+    max_distance: bpy.props.FloatProperty(
+        name="Max Distance",
+        description="Largest distance between the old mesh and the new one: vertices are added "
+        "where it would be larger. 0 sets no limit",
+        default=0.0,
+        min=0.0,
+        subtype="DISTANCE",
+    )
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.object
@@ -86,48 +95,71 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         return super().execute(context)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        return remesh_steps(context.object, self.count, math.degrees(self.feature_angle))
+        options = {
+            "feature_angle": math.degrees(self.feature_angle),
+            "max_distance": self.max_distance,
+        }
+        return remesh_steps(context.object, self.count, options)
 
     def watched(self, context: bpy.types.Context) -> dict[int, str]:
         return {one.session_uid: one.name for one in (context.object, context.object.data)}
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
-        report = result.report
-        text = translated_report(
-            "'{name}': {vertices:,} vertices, {faces:,} triangles, angles from {angle:.0f} degrees",
-            name=obj.name,
-            vertices=report.vertices,
-            faces=report.faces,
-            angle=report.smallest_angle,
+        return Outcome(obj, _messages(obj.name, result))
+
+
+def _messages(name: str, new: NewMesh) -> Messages:
+    """What the artist is told about a new mesh."""
+    report = new.report
+    text = translated_report(
+        "'{name}': {vertices:,} vertices, {faces:,} triangles, angles from {angle:.0f} degrees",
+        name=name,
+        vertices=report.vertices,
+        faces=report.faces,
+        angle=report.smallest_angle,
+    )
+    found = [("INFO", text), *_more_vertices(new)]
+    if report.dropped_lines:
+        given_up = translated_report(
+            "{count:,} creases or seams were lost: more vertices may keep them",
+            count=report.dropped_lines,
         )
-        messages = [("INFO", text)]
-        if report.vertices > report.asked:
-            more = translated_report(
-                "The topology and the lines that are kept need {count:,} more vertices",
-                count=report.vertices - report.asked,
-            )
-            messages.append(("WARNING", more))
-        if report.dropped_lines:
-            given_up = translated_report(
-                "{count:,} creases or seams were lost: more vertices may keep them",
-                count=report.dropped_lines,
-            )
-            messages.append(("WARNING", given_up))
-        if report.flaws:
-            flaws = translated_report(
-                "In {count:,} places the new mesh is connected differently from the old one",
-                count=report.flaws,
-            )
-            messages.append(("WARNING", flaws))
-        return Outcome(obj, messages)
+        found.append(("WARNING", given_up))
+    if report.flaws:
+        flaws = translated_report(
+            "In {count:,} places the new mesh is connected differently from the old one",
+            count=report.flaws,
+        )
+        found.append(("WARNING", flaws))
+    return found
 
 
-def remesh_steps(obj: bpy.types.Object, count: int, feature_angle: float) -> Steps:
+def _more_vertices(new: NewMesh) -> Messages:
+    """Why there are more vertices than asked for, and whether they are enough."""
+    found, more = [], new.report.vertices - new.report.asked
+    if more > 0 and new.max_distance:
+        text = translated_report("Max Distance needs {count:,} more vertices", count=more)
+        found.append(("INFO", text))
+    elif more > 0:
+        text = translated_report(
+            "The topology and the lines that are kept need {count:,} more vertices", count=more
+        )
+        found.append(("WARNING", text))
+    if new.report.distance > new.max_distance > 0:
+        text = translated_report(
+            "The new mesh is up to {distance:.3g} away from the old one, more than Max Distance",
+            distance=new.report.distance,
+        )
+        found.append(("WARNING", text))
+    return found
+
+
+def remesh_steps(obj: bpy.types.Object, count: int, options: Options) -> Steps:
     """Replace an object's mesh; returns the NewMesh."""
     handle, mesh = ObjectHandle(obj), obj.data.session_uid
     old = read_old(obj)
-    new: NewMesh = yield Task(lambda worker: remeshed(old, count, feature_angle, worker))
+    new: NewMesh = yield Task(lambda worker: remeshed(old, count, options, worker))
     obj = handle.get()
     if obj.data.session_uid != mesh or obj.mode != "OBJECT":
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")

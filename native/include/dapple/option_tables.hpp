@@ -348,6 +348,14 @@ inline constexpr std::tuple kRemeshOptions = {
            Level::kBasic,
            "Edges whose faces' normals differ by more than this are creases, which stay, and so do "
            "their corners; 180 keeps none."},
+    Option{"max_distance",
+           &RemeshOptions::max_distance,
+           {0, kFinite},
+           "",
+           Level::kBasic,
+           "Largest distance of the new mesh from the surface, and of the surface from it: "
+           "vertices are added until no vertex and no middle of an edge or face is farther away. 0 "
+           "sets no limit."},
     Option{
         "non_manifold",
         &RemeshOptions::non_manifold,

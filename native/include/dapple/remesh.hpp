@@ -33,6 +33,9 @@ struct RemeshOptions {
   /// Edges whose faces' normals differ by more than this are creases, which stay, and so do their
   /// corners; 180 keeps none.
   double feature_angle = 30.0;  // basic, 0..180, degrees
+  /// Largest distance of the new mesh from the surface, and of the surface from it: vertices are
+  /// added until no vertex and no middle of an edge or face is farther away. 0 sets no limit.
+  double max_distance = 0.0;  // basic, >= 0
   /// Edges with three or more faces stay as they are, or the faces around them are cut apart.
   NonManifold non_manifold = NonManifold::kKept;   // expert
   OptimizerOptions optimizer = lattice_options();  // options
@@ -76,6 +79,8 @@ struct RemeshReport {
   /// Places where the cells of the vertices still break the topology of the surface; 0 means that
   /// the new mesh has the topology of the old one.
   std::size_t flaws = 0;
+  /// The largest distance that `max_distance` limits; 0 without a limit.
+  double distance = 0.0;
   int evaluations = 0;
   bool converged = true;
   double seconds = 0.0;  ///< wall time
@@ -100,7 +105,7 @@ struct RemeshResult {
 /// spaced like the others. The mesh has the topology of the surface once every cell is a disc and
 /// any two of them meet along one curve (closed ball property, Edelsbrunner and Shah 1997). Where
 /// that fails sites are added, and as many are taken away elsewhere. Vertices are more than
-/// `count` only where the topology needs more; the report tells.
+/// `count` only where the topology, or `max_distance`, needs more; the report tells.
 /// \throw ArgumentError for options out of range, a count of 0, or naming the first of `edges` that
 ///        is no edge; Cancelled
 [[nodiscard]] RemeshResult remesh(const Surface& surface, std::size_t count,

@@ -274,6 +274,8 @@ class RemeshReport:
     @property
     def flaws(self) -> int: ...
     @property
+    def distance(self) -> float: ...
+    @property
     def evaluations(self) -> int: ...
     @property
     def converged(self) -> bool: ...
@@ -711,6 +713,7 @@ def remesh(
     *,
     seed: int = 0,
     feature_angle: float = 30.0,
+    max_distance: float = 0.0,
     non_manifold: Literal["kept", "cut"] = "kept",
     capacity_weight: float = 0.3,
     repulsion_weight: float = 0.0,

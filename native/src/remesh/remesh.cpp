@@ -17,6 +17,7 @@
 #include "density/piece_finder.hpp"
 #include "lines/line_sites.hpp"
 #include "remesh/dual.hpp"
+#include "remesh/far_places.hpp"
 #include "remesh/measure.hpp"
 #include "remesh/site_editor.hpp"
 #include "sample/solve_classes.hpp"
@@ -32,6 +33,8 @@ constexpr int kPatience = 6;                            // rounds that mend noth
 constexpr std::size_t kMostTimes = 4, kMostMore = 500;  // most sites, by the count asked for
 constexpr int kDroppings = 6;                           // times that creases are given up
 constexpr int kThinnings = 6;                           // rounds of taking sites away elsewhere
+constexpr int kApproaches = 60;                         // rounds of adding sites at far places
+constexpr int kSettlings = 4;                           // of them, after which others move
 constexpr int kFreeRings = 3;                  // around sites that are gone, which make room
 constexpr int kFewEvaluations = 12;            // after local changes
 constexpr double kFirst = 0.6, kSecond = 0.9;  // of the progress, if it is done again
@@ -39,6 +42,7 @@ constexpr double kFiner = 0.5;                 // spacings: their edges
 constexpr std::size_t kFinerFaces = 40;
 constexpr double kSolved = 0.8;  // of the progress
 constexpr double kMended = 0.95;
+constexpr double kThinned = 0.5;  // if there is a limit of the distance
 
 /// The distance between neighbors where the density is 1, if `count` vertices are spaced evenly:
 /// those on borders have half a cell.
@@ -76,17 +80,20 @@ class Remesher {
         solution_(std::move(start)) {}
 
   void run(Context* context) {
-    Stretch solving(context, 0.0, kSolved), mending(context, kSolved, kMended),
-        thinning(context, kMended, 1.0);
+    const double end = options_.max_distance > 0.0 ? kThinned : 1.0;
+    Stretch solving(context, 0.0, end * kSolved), mending(context, end * kSolved, end * kMended),
+        thinning(context, end * kMended, end), approaching(context, end, 1.0);
     solve(solving.context());
     mend_all(mending.context());
     keep_best();
     thin_all(thinning.context());
+    approach(approaching.context());
   }
 
   /// Drop creases and marked edges where nothing else helps, after run() has left flaws.
   void give_up(Context* context) {
     best_sites_ = {};  // it holds a mesh that keeps all lines
+    distance_ = 0.0;
     Stretch mending(context, 0.0, kMended), thinning(context, kMended, 1.0);
     for (int k = 0; k < kDroppings && !dual_.violations.empty() && drop_hopeless(); ++k) {
       solve(mending.context());
@@ -94,6 +101,7 @@ class Remesher {
     }
     keep_best();
     thin_all(thinning.context());
+    approach(thinning.context());
   }
 
   [[nodiscard]] RemeshResult result() const;
@@ -265,6 +273,52 @@ class Remesher {
     return better;
   }
 
+  /// Add sites where the mesh and the surface are farther apart than they may be.
+  void approach(Context* context) {
+    if (options_.max_distance == 0.0 || !best_.violations.empty()) return;
+    const DistanceCheck check(surface_, lines_, context);
+    sites_ = best_sites_;
+    dual_ = best_;
+    distance_ = std::numeric_limits<double>::infinity();
+    FarPlaces far = far_places(check, context);
+    const std::size_t most = kMostTimes * count_ + kMostMore;
+    // Some of the places may break the topology: fewer of them are tried then, down to each alone.
+    std::size_t tried = far.places.size();
+    for (int k = 0; k < kApproaches && !far.places.empty() && sites_.size() < most; ++k) {
+      Stretch round(context, 1.0 * k / kApproaches, (k + 1.0) / kApproaches);
+      tried = std::min(tried, far.places.size());
+      if (mend(surface_, lines_, {far.places.data(), tried}, sites_) == 0) break;
+      if (k < kSettlings) settle_others(round.context());
+      mend_all(context);
+      if (dual_.violations.empty()) {
+        far = far_places(check, context);
+        continue;
+      }
+      sites_ = looked_at_sites_;
+      if (tried == 1) far.places.erase(far.places.begin());
+      tried = std::max<std::size_t>(tried / 2, 1);
+    }
+  }
+
+  /// Where the last mesh is too far from the surface; it is kept if it is the nearest so far.
+  [[nodiscard]] FarPlaces far_places(const DistanceCheck& check, Context* context) {
+    FarPlaces far = check.far_places(dual_, sites_.sites, options_.max_distance, context);
+    looked_at_sites_ = sites_;
+    if (far.largest < distance_) {
+      best_ = dual_;
+      best_sites_ = sites_;
+      distance_ = far.largest;
+    }
+    return far;
+  }
+
+  /// Space those free sites evenly that were not added where they are needed.
+  void settle_others(Context* context) {
+    std::vector<bool> moving = sites_.pinned;
+    moving.flip();
+    settle(moving, context);
+  }
+
   const Surface& surface_;
   std::size_t count_;
   const RemeshOptions& options_;
@@ -274,6 +328,8 @@ class Remesher {
   RemeshSites sites_, best_sites_;
   Dual dual_, best_;
   std::size_t dropped_lines_ = 0;
+  double distance_ = 0.0;        // of the best mesh; 0: it was not looked at
+  RemeshSites looked_at_sites_;  // by the last far_places()
   int evaluations_ = 0;
   bool converged_ = true;
 };
@@ -372,6 +428,7 @@ RemeshResult Remesher::result() const {
   mesh.report.asked = count_;
   mesh.report.flaws = best_.violations.size();
   mesh.report.dropped_lines = dropped_lines_;
+  mesh.report.distance = distance_;
   mesh.report.evaluations = evaluations_;
   mesh.report.converged = converged_;
   return mesh;

@@ -13,8 +13,9 @@ namespace {
 
 constexpr double kApart = 0.5;  // of a place's distance from its site: edits that are too close
 constexpr double kFarApart = 4.0;
-constexpr double kAway = 1e-6;  // of the spacing, a place that is no other than its site
-constexpr int kKeptRings = 2;   // around sites that stay
+constexpr double kBeside = 1.0;  // the same for places that are far from the mesh
+constexpr double kAway = 1e-6;   // of the spacing, a place that is no other than its site
+constexpr int kKeptRings = 2;    // around sites that stay
 
 Sites site_at(const Surface& surface, const Place& place) {
   const OrderedSurface& mesh = surface.ordered();
@@ -94,7 +95,9 @@ std::size_t mend(const Surface& surface, const FeatureLines& lines,
   std::vector<Edit> edits;
   // Other flaws may vanish with those at lines.
   const auto is_near = [&](const Vec3& p, double reach, Flaw flaw) {
-    const double apart = flaw == Flaw::kForeignLine ? kApart : kFarApart;
+    const double apart = flaw == Flaw::kForeignLine ? kApart
+                         : flaw == Flaw::kFar       ? kBeside
+                                                    : kFarApart;
     return std::ranges::any_of(edits, [&](const Edit& edit) {
       return (edit.position - p).norm() < apart * std::max(reach, edit.reach);
     });

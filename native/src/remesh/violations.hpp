@@ -20,13 +20,15 @@ struct Place {
   std::int32_t half_edge = -1;  ///< the ordered one that it lies on; -1: within the face
 };
 
-/// How cells break the closed ball property, by which the dual is a mesh of the same topology.
+/// How cells break the closed ball property, by which the dual is a mesh of the same topology; or
+/// what else is wrong at a site.
 enum class Flaw : std::uint8_t {
   kForeignLine,  ///< the cell reaches a line that its site is not on
   kNoDisc,       ///< the cell is no disc, or meets its line more than once
   kMetTwice,     ///< two cells meet along more than one curve
   kFewSides,     ///< the cell has too few neighbors for triangles
   kUnmatched,    ///< neighbors disagree about where they meet
+  kFar,          ///< the mesh and the surface are too far apart
 };
 
 struct Violation {

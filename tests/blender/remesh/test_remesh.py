@@ -2,6 +2,7 @@
 """Remesh with Dapple: the new mesh, and data taken over from the old one."""
 
 import bpy
+import dapple3d as dapple
 import numpy as np
 import pytest
 import scenes
@@ -163,6 +164,23 @@ def test_fewer_vertices_than_the_topology_needs_are_said(capfd):
     mesh = remeshed(obj, count=4)
     assert "need 4 more vertices" in capfd.readouterr().out
     assert len(mesh.vertices) == 8
+
+
+def test_vertices_are_added_until_the_mesh_is_near(capfd):
+    obj = scenes.sphere()
+    before = positions(obj.data)
+    mesh = remeshed(obj, count=40, max_distance=0.02)
+    added = len(mesh.vertices) - 40
+    assert f"Max Distance needs {added} more vertices" in capfd.readouterr().out
+    faces = np.array([polygon.vertices[:] for polygon in mesh.polygons])
+    surface = dapple.Surface(positions(mesh).astype(float), faces)
+    assert dapple.project(surface, before.astype(float)).distances.max() < 0.0201
+
+
+def test_a_distance_that_is_out_of_reach_is_told(capfd):
+    obj = scenes.sphere()
+    remeshed(obj, count=8, max_distance=1e-7)
+    assert "away from the old one, more than Max Distance" in capfd.readouterr().out
 
 
 def test_a_mesh_without_faces_is_left_alone():

@@ -254,6 +254,64 @@ Shape blade() {
           {{0, 1, 3}, {0, 3, 2}, {1, 0, 4}, {1, 4, 5}, {2, 3, 5}, {2, 5, 4}, {0, 2, 4}, {1, 5, 3}}};
 }
 
+/// Largest distance of the vertices and middles of triangles of one mesh from another.
+double distance_of(std::span<const Vec3> vertices, std::span<const Face> faces,
+                   const Surface& other) {
+  std::vector<Vec3> points(vertices.begin(), vertices.end());
+  for (const auto& [a, b, c] : faces)
+    points.push_back((vertices[static_cast<std::size_t>(a)] +
+                      vertices[static_cast<std::size_t>(b)] +
+                      vertices[static_cast<std::size_t>(c)]) /
+                     3.0);
+  return std::ranges::max(Projector(other).project(points).distances);
+}
+
+TEST(Remesh, AddsVerticesWhereTheMeshIsTooFarFromTheSurface) {
+  const Shape bumpy = blob(4);
+  const Surface surface = bumpy.surface();
+  const auto apart = [&](const RemeshResult& mesh) {
+    return std::max(distance_of(mesh.vertices, mesh.faces, surface),
+                    distance_of(bumpy.vertices, bumpy.faces, Surface(mesh.vertices, mesh.faces)));
+  };
+  const RemeshResult coarse = remesh(surface, 60);
+  const double limit = 0.4 * apart(coarse);
+  const RemeshResult mesh = remesh(surface, 60, {.max_distance = limit});
+  expect_consistent(surface, mesh);
+  EXPECT_EQ(coarse.report.distance, 0.0);  // it was not asked for
+  EXPECT_LE(apart(mesh), limit);
+  EXPECT_LE(mesh.report.distance, limit);
+  EXPECT_GT(mesh.vertices.size(), 60u);
+  EXPECT_LT(mesh.vertices.size(), 300u);
+  EXPECT_EQ(mesh.report.flaws, 0u);
+  EXPECT_EQ(mesh.report.euler, 2);
+}
+
+TEST(Remesh, KeepsTheEndWithoutLinesOfABodyWhoseLinesUseUpTheVertices) {
+  const Shape ball = icosphere(3);
+  RemeshOptions options;
+  for (const Face& face : ball.faces)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(face[k], face[(k + 1) % 3]);
+      const auto high = [&](std::int32_t v) {
+        return ball.vertices[static_cast<std::size_t>(v)][2] > 0.2;
+      };
+      if (a == face[k] && high(a) && high(b)) options.edges.push_back({a, b});
+    }
+  options.max_distance = 0.1;
+  const Surface surface = ball.surface();
+  const RemeshResult mesh = remesh(surface, 100, options);
+  expect_consistent(surface, mesh);
+  EXPECT_EQ(mesh.report.flaws, 0u);
+  EXPECT_LE(distance_of(ball.vertices, ball.faces, Surface(mesh.vertices, mesh.faces)), 0.1);
+}
+
+TEST(Remesh, AFarLimitOfTheDistanceChangesNothing) {
+  const Surface surface = box(3).surface();
+  const RemeshResult free = remesh(surface, 200), near = remesh(surface, 200, {.max_distance = 1});
+  EXPECT_EQ(free.vertices, near.vertices);
+  EXPECT_EQ(free.faces, near.faces);
+}
+
 TEST(Remesh, CellsOfABladeDoNotGoThroughIt) {
   const Surface surface = blade().surface();
   for (const std::size_t count : {60u, 150u, 400u}) {

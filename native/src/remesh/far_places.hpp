@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/projector.hpp>
+#include <span>
+#include <vector>
+
+#include "remesh/dual.hpp"
+
+namespace dapple {
+
+/// Where a mesh and the surface that it is made from are too far apart.
+struct FarPlaces {
+  std::vector<Violation> places;  ///< of the surface, farthest first
+  double largest = 0.0;           ///< distance of all places that were looked at
+};
+
+/// Compares vertices, middles of edges and middles of faces of each of both with the other.
+class DistanceCheck {
+ public:
+  /// All of them must outlive it. \throw Cancelled
+  DistanceCheck(const Surface& surface, const FeatureLines& lines, const Context* context);
+
+  /// \throw Cancelled
+  [[nodiscard]] FarPlaces far_places(const Dual& dual, const Sites& sites, double limit,
+                                     const Context* context) const;
+
+ private:
+  void add_old(const Projector& mesh, double limit, const Context* context, FarPlaces& result,
+               std::vector<double>& distances) const;
+  void add_new(const Dual& dual, const Sites& sites, double limit, const Context* context,
+               FarPlaces& result, std::vector<double>& distances) const;
+
+  const Surface& surface_;
+  Projector projector_;
+  std::vector<Place> old_;  // on lines first, so that equals are there
+};
+
+}  // namespace dapple
