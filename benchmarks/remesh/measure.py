@@ -30,7 +30,7 @@ def figures(vertices: Array, faces: Array, old: tuple[Array, Array]) -> Figures:
     edges, uses = _edges(faces)
     angles = _smallest_angles(vertices[faces])
     diagonal = np.linalg.norm(np.ptp(old[0], axis=0))
-    there, back = (_distance(a, b) for a, b in ((old, (vertices, faces)), ((vertices, faces), old)))
+    there, back = (farthest(a, b) for a, b in ((old, (vertices, faces)), ((vertices, faces), old)))
     return Figures(
         vertices=len(used),
         nonmanifold=int((uses > 2).sum()),
@@ -70,7 +70,7 @@ def _regular(edges: Array, uses: Array, count: int) -> float:
     return float((valence[inside] == 6).mean())
 
 
-def _distance(first: tuple[Array, Array], second: tuple[Array, Array]) -> float:
+def farthest(first: tuple[Array, Array], second: tuple[Array, Array]) -> float:
     """The largest distance of places all over the first mesh from the second."""
     corners = first[0][first[1]]
     shares = [

@@ -43,9 +43,14 @@ def add(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int32], at: 
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(np.add(vertices, (at, 0.0, 0.0)).tolist(), [], faces.tolist())
     mesh.materials.append(material("Body", 0.7))
-    mesh.materials.append(material("Lines", 0.02))
     body = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(body)
+    add_lines(body)
+
+
+def add_lines(body: bpy.types.Object) -> None:
+    """Draw the edges of an object, which has one material."""
+    body.data.materials.append(material("Lines", 0.02))
     lines = body.modifiers.new("Lines", "WIREFRAME")
     lines.thickness = LINES
     lines.use_replace = False
