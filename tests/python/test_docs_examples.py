@@ -46,7 +46,7 @@ RUN = {
     "docs/large.md": {"python": (2, "here")},
     "docs/lines.md": {"sh": (1, "here"), "python": (2, "here")},
     "docs/masks.md": {"sh": (2, "here"), "python": (1, "here")},
-    "docs/remeshing.md": {"sh": (2, "here"), "python": (3, "here")},
+    "docs/remeshing.md": {"sh": (2, "here"), "python": (4, "here")},
     "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
     "docs/peers.md": {"sh": (1, "test_peers.py")},
     "docs/stippling.md": {"sh": (1, "here"), "python": (1, "here")},
@@ -64,6 +64,11 @@ def blocks(page: str) -> list[tuple[str, str]]:
 def code(page: str, language: str) -> str:
     """All examples of a page in one language."""
     return "\n".join(text for found, text in blocks(page) if found == language)
+
+
+def code_blocks(page: str) -> list[str]:
+    """The examples of a page in Python."""
+    return [text for found, text in blocks(page) if found == "python"]
 
 
 def test_every_example_is_run_by_a_test():
@@ -102,9 +107,11 @@ def test_the_page_on_remeshing_runs(here):
     np.savez("walk.npz", vertices=[vertices, 1.1 * vertices], faces=faces)
     for command in filter(None, code("docs/remeshing.md", "sh").splitlines()):
         assert run(*shlex.split(command)[1:]).exit_code == 0
-    first, second, third = (text for name, text in blocks("docs/remeshing.md") if name == "python")
+    first, near, second, third = code_blocks("docs/remeshing.md")
     namespace = {}
     exec(first, namespace)
+    exec(near, namespace)
+    assert namespace["mesh"].report.distance <= 0.01
     namespace["old_heights"] = namespace["surface"].vertices[:, 2]
     exec(second, namespace)
     np.testing.assert_allclose(namespace["heights"], namespace["mesh"].vertices[:, 2], atol=1e-6)
