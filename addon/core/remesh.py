@@ -39,8 +39,14 @@ class NewMesh:
     face_source: Ints  # (m,) the old triangle at the middle of each
     lines: Ints  # (k, 2) edges along lines
     line_source: Ints  # (k, 2) the vertices of the old edge that each lies on
-    report: Any
+    surface: Any  # the package's, of the old mesh
+    made: Any  # what the package's remesh() has returned
     max_distance: float  # that was asked for; 0: none
+
+    @property
+    def report(self) -> Any:
+        """The package's figures of the new mesh."""
+        return self.made.report
 
     def at_vertices(self, values: NDArray[Any], faces: Ints) -> Floats:
         """Values (v,) or (v, w) of the old vertices at the new ones."""
@@ -93,7 +99,8 @@ def _with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) ->
         face_source=np.array(face_source),
         lines=lines,
         line_source=_old_edges(surface, old, vertices[lines].mean(axis=1)),
-        report=made.report,
+        surface=surface,
+        made=made,
         max_distance=max_distance,
     )
 

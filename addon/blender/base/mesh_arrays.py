@@ -76,16 +76,20 @@ def _column(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
 
 def to_local(obj: bpy.types.Object, positions: Floats) -> Floats:
     """Positions in the object's own space; ScatterError if its scale is 0."""
-    matrix = matrix_of(obj)
+    return in_space(matrix_of(obj), positions, obj.name)
+
+
+def in_space(matrix: Floats, positions: Floats, name: str) -> Floats:
+    """Positions in the space of an object with that matrix; ScatterError if its scale is 0."""
     if not np.isfinite(matrix).all():
-        raise ScatterError(f"'{obj.name}' has a location or scale that is not finite")
+        raise ScatterError(f"'{name}' has a location or scale that is not finite")
     try:
         inverse = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
         inverse = np.full((4, 4), np.nan)
     found = positions @ inverse[:3, :3].T + inverse[:3, 3]
     if not (np.abs(found) <= np.finfo(np.float32).max).all():
-        raise ScatterError(f"'{obj.name}' has a scale of 0: set another one")
+        raise ScatterError(f"'{name}' has a scale of 0: set another one")
     return found
 
 

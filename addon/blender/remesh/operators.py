@@ -8,6 +8,7 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps, Task
+from ...core.moving_mesh import MovingMesh
 from ...core.remesh import NewMesh, Options, remeshed
 from ..base.all_or_nothing import Status, all_or_nothing
 from ..base.object_handles import ObjectHandle
@@ -17,10 +18,12 @@ from ..base.translation import translated, translated_report
 from ..scatter.linked_data import read_only
 from ..scatter.object import is_scatter
 from ..surface.polls import free
+from .motion import motion_steps
 from .reading import read_old
-from .writing import write_new
+from .writing import replace_mesh, write_new
 
 _MOST = 10_000_000
+_MOST_FRAMES = 1_048_574  # as of a scene
 
 
 class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
@@ -61,6 +64,39 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         subtype="DISTANCE",
     )
 
+    animation: bpy.props.EnumProperty(
+        name="Animation",
+        description="What becomes of the motion",
+        items=(
+            (
+                "KEEP",
+                "Keep",
+                "Modifiers, armature and shape keys stay and move the new mesh as the old one",
+            ),
+            (
+                "SHAPE_KEYS",
+                "Bake to Shape Keys",
+                "The new mesh gets a shape key for each frame, with evenly spaced vertices in "
+                "each. Modifiers that are shown are contained in the keys and removed",
+            ),
+        ),
+        default="KEEP",
+    )
+    frame_start: bpy.props.IntProperty(
+        name="Start",
+        description="First frame of the shape keys, whose mesh is remeshed",
+        default=1,
+        min=-_MOST_FRAMES,
+        max=_MOST_FRAMES,
+    )
+    frame_end: bpy.props.IntProperty(
+        name="End",
+        description="Last frame of the shape keys",
+        default=250,
+        min=-_MOST_FRAMES,
+        max=_MOST_FRAMES,
+    )
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.object
@@ -82,11 +118,30 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         """Ask for the number of vertices, starting with the current number."""
         if not self.properties.is_property_set("count"):
             self.count = len(context.object.data.vertices)
+        self.frame_start, self.frame_end = self._frames(context)
         if bpy.app.background:
             return super().invoke(context, event)
         self.asked = True
         status: Status = context.window_manager.invoke_props_dialog(self)
         return status
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the dialog."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for name in ("count", "feature_angle", "max_distance", "animation"):
+            layout.prop(self, name)
+        if self.animation == "SHAPE_KEYS":
+            column = layout.column(align=True)
+            column.prop(self, "frame_start")
+            column.prop(self, "frame_end")
+
+    def _frames(self, context: bpy.types.Context) -> tuple[int, int]:
+        """The frames that were set, else those of the scene."""
+        scene, is_set = context.scene, self.properties.is_property_set
+        first = self.frame_start if is_set("frame_start") else scene.frame_start
+        return first, self.frame_end if is_set("frame_end") else scene.frame_end
 
     def execute(self, context: bpy.types.Context) -> Status:
         """Do the work now in a script, or in the background after the dialog."""
@@ -99,6 +154,9 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
             "feature_angle": math.degrees(self.feature_angle),
             "max_distance": self.max_distance,
         }
+        if self.animation == "SHAPE_KEYS":
+            frames = self._frames(context)
+            return motion_steps(context, context.object, self.count, options, frames)
         return remesh_steps(context.object, self.count, options)
 
     def watched(self, context: bpy.types.Context) -> dict[int, str]:
@@ -106,6 +164,8 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        if isinstance(result, MovingMesh):
+            return Outcome(obj, [*_messages(obj.name, result.new), _motion_message(result)])
         return Outcome(obj, _messages(obj.name, result))
 
 
@@ -133,6 +193,25 @@ def _messages(name: str, new: NewMesh) -> Messages:
         )
         found.append(("WARNING", flaws))
     return found
+
+
+def _motion_message(moving: MovingMesh) -> tuple[str, str]:
+    """How good the triangles are on the worst frame."""
+    frames, worst = moving.frames, moving.frames[moving.worst]
+    if not worst.below_15 and not worst.flipped:
+        text = translated_report(
+            "{frames:,} frames as shape keys, no triangle below 15 degrees", frames=len(frames)
+        )
+        return "INFO", text
+    text = translated_report(
+        "{frames:,} frames as shape keys; on the worst, frame {frame}, {below:,} triangles have an "
+        "angle below 15 degrees and {flipped:,} are turned over",
+        frames=len(frames),
+        frame=moving.first + moving.worst,
+        below=worst.below_15,
+        flipped=worst.flipped,
+    )
+    return "WARNING" if worst.flipped else "INFO", text
 
 
 def _more_vertices(new: NewMesh) -> Messages:
@@ -164,12 +243,7 @@ def remesh_steps(obj: bpy.types.Object, count: int, options: Options) -> Steps:
     if obj.data.session_uid != mesh or obj.mode != "OBJECT":
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
     with all_or_nothing(bpy.context, [obj]):
-        made = write_new(obj, new)
-        name, before = obj.data.name, obj.data
-        obj.data = made
-        if before.users == 0:
-            bpy.data.meshes.remove(before)
-            made.name = name
+        replace_mesh(obj, write_new(obj.data, new))
     return new
 
 

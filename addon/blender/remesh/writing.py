@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...core.remesh import NewMesh
 from ...core.surface.arrays import Floats, Ints
+from ..base.all_or_nothing import once_done
 from ..base.mesh_arrays import corner_vertices, read_points, triangle_corners
 from .reading import edge_vertices, triangle_polygons
 
@@ -31,9 +32,22 @@ _MIXED = {"FLOAT", "FLOAT_VECTOR", "FLOAT2", "FLOAT_COLOR", "BYTE_COLOR", "FLOAT
 _OWN = {"position", "material_index", "custom_normal"}  # written otherwise, or no longer right
 
 
-def write_new(obj: bpy.types.Object, new: NewMesh) -> bpy.types.Mesh:
-    """A new mesh with the new triangles and the data of the object's old mesh."""
-    old = obj.data
+def replace_mesh(obj: bpy.types.Object, made: bpy.types.Mesh) -> None:
+    """Give an object a new mesh, with the name of the old one if nothing else uses that."""
+    before = obj.data
+    obj.data = made
+    once_done(lambda: _leave(before, made))  # what is removed cannot be restored
+
+
+def _leave(before: bpy.types.Mesh, made: bpy.types.Mesh) -> None:
+    name = before.name
+    if before.users == 0:
+        bpy.data.meshes.remove(before)
+        made.name = name
+
+
+def write_new(old: bpy.types.Mesh, new: NewMesh) -> bpy.types.Mesh:
+    """A new mesh with the new triangles and the data of the old mesh."""
     made = old.copy()
     try:
         _build(old, made, new)

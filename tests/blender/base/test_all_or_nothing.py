@@ -177,6 +177,7 @@ EXPORT, SOLVE = "blender.export.operators", "blender.solve"
 TYPES = "blender.object_types.operators"
 DENSITY = "blender.density.operators"
 FIRST = {"name": "Sphere Scatter"}
+TO_KEYS = {"count": 150, "animation": "SHAPE_KEYS", "frame_start": 1, "frame_end": 3}
 # Operator, its properties, preparation, and the last step as a module and a name in it.
 CASES = [
     ("add_scatter", {"count": 40}, scenes.sphere, "blender.add.steps.write_solved"),
@@ -211,6 +212,7 @@ CASES = [
     ("make_tiles", {}, scattered, "blender.tiles.operators.write_tiles"),
     ("make_tiles", {}, tiled, "blender.tiles.operators.write_tiles"),
     ("remesh", {"count": 60}, scenes.sphere, "blender.remesh.operators.write_new"),
+    ("remesh", TO_KEYS, scenes.tail, "blender.remesh.motion._write_keys"),
     ("edit_points", {}, scattered, f"{HAND}.operators.begin_editing"),
     ("finish_editing_points", {}, edited, f"{HAND}.operators.end_editing"),
     ("place_point", {}, edited, f"{HAND}.operators.add_vertex"),

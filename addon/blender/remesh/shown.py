@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reading an object as it is shown, with its modifiers, for a mesh that follows its animation."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...core.base.errors import ScatterError
+from ...core.remesh import OldMesh
+from ...core.surface.arrays import Floats, Ints
+from ..base.mesh_arrays import (
+    corner_vertices,
+    matrix_of,
+    polygon_starts,
+    read_points,
+    to_world,
+    triangle_corners,
+)
+from ..base.object_handles import ObjectHandle
+from ..base.times import show_time
+from .reading import lines_of
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The object on a frame."""
+
+    vertices: Floats  # (v, 3) in world space
+    corners: Ints  # (c,) the vertex of each corner of the polygons
+    starts: Ints  # (p,) the first corner of each polygon
+    matrix: Floats  # (4, 4) from the object's space to the world
+
+    def has_faces_of(self, other: "Shown") -> bool:
+        """Whether the polygons are the same."""
+        same = len(self.vertices) == len(other.vertices)
+        same = same and np.array_equal(self.corners, other.corners)
+        return bool(same and np.array_equal(self.starts, other.starts))
+
+
+@contextmanager
+def shown_mesh(obj: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
+    """The object's mesh with its modifiers, as it is shown now."""
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    try:
+        yield mesh
+    finally:
+        evaluated.to_mesh_clear()
+
+
+@contextmanager
+def shown_copy(obj: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
+    """The same as a mesh of the file with all attributes, without shape keys."""
+    graph = bpy.context.evaluated_depsgraph_get()
+    evaluated = obj.evaluated_get(graph)
+    mesh = bpy.data.meshes.new_from_object(
+        evaluated, preserve_all_data_layers=True, depsgraph=graph
+    )
+    try:
+        yield mesh
+    finally:
+        bpy.data.meshes.remove(mesh)
+
+
+def read_first(handle: ObjectHandle, frame: int) -> tuple[OldMesh, Shown]:
+    """What is remeshed: the object as it is shown on a frame."""
+    show_time(bpy.context.scene, frame)
+    obj = handle.get()
+    with shown_mesh(obj) as mesh:
+        shown = _shown(obj, mesh)
+        faces = shown.corners[triangle_corners(mesh)] if len(mesh.polygons) else _NO_FACES
+        return OldMesh(obj.name, shown.vertices, faces, lines_of(mesh)), shown
+
+
+def read_next(handle: ObjectHandle, frame: int, first: Shown, first_frame: int) -> Shown:
+    """The object on another frame; ScatterError if it has other faces."""
+    show_time(bpy.context.scene, frame)
+    obj = handle.get()
+    with shown_mesh(obj) as mesh:
+        shown = _shown(obj, mesh)
+    if not shown.has_faces_of(first):
+        raise ScatterError(
+            f"'{obj.name}' has other faces in frame {frame} than in frame {first_frame}: shape "
+            "keys need the same ones. Choose frames in which they stay"
+        )
+    return shown
+
+
+def _shown(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> Shown:
+    return Shown(
+        vertices=to_world(obj, read_points(mesh)),
+        corners=corner_vertices(mesh),
+        starts=polygon_starts(mesh),
+        matrix=matrix_of(obj),
+    )
+
+
+_NO_FACES = np.empty((0, 3), np.int32)
