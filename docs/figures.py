@@ -407,10 +407,49 @@ def masks() -> Figure:
     return figure
 
 
+# ---- symmetry ----
+
+
+def lobes() -> dapple.Surface:
+    """A flat sheet with lobes, symmetric across x = 0."""
+    t = np.linspace(-np.pi, np.pi, 361)[:-1]
+    radius = 1.0 + 0.75 * np.abs(np.sin(t)) ** 0.5 * np.cos(3.0 * (np.abs(t) - 1.75)) ** 2
+    rim = radius[:, None] * np.stack([np.sin(t) * 1.25, np.cos(t) * 0.8], axis=1)
+    inner = np.linspace(0.0, 1.0, 31)[1:]
+    rings = [np.column_stack([share * rim, np.zeros(len(rim))]) for share in inner]
+    around = np.arange(len(rim))
+    after = np.roll(around, -1)
+    faces = [np.stack([np.zeros_like(around), 1 + around, 1 + after], axis=1)]
+    for k in range(len(inner) - 1):
+        a, b = 1 + k * len(rim) + around, 1 + k * len(rim) + after
+        c, d = a + len(rim), b + len(rim)
+        faces += [np.stack([a, c, d], axis=1), np.stack([a, d, b], axis=1)]
+    return dapple.Surface(np.concatenate([[[0.0, 0.0, 0.0]], *rings]), np.concatenate(faces))
+
+
+def symmetry() -> Figure:
+    """Samples as sample() places them, and in pairs of mirror images."""
+    figure, axes = plain((9.0, 3.4), columns=2)
+    surface = lobes()
+    rim = surface.vertices[-360:, :2]
+    pairs = dapple.sample_symmetric(surface, 501)
+    alone = pairs.mirror == np.arange(len(pairs))
+    for one, name in zip(axes, ("sample", "sample_symmetric"), strict=True):
+        one.add_patch(Polygon(rim, facecolor=PALE, edgecolor=LINE, lw=0.8))
+        one.plot(
+            [0, 0], [rim[:, 1].min() - 0.15, rim[:, 1].max() + 0.15], color=GRAY, lw=0.8, ls="--"
+        )
+        samples = dapple.sample(surface, 501) if name == "sample" else pairs.samples
+        one.plot(*samples.positions[:, :2].T, "o", color=INK, ms=2.6, mew=0)
+        one.set_title(name, color=INK, fontsize=11)
+    axes[1].plot(*pairs.samples.positions[alone, :2].T, "o", color=ACCENT, ms=3.4, mew=0)
+    return figure
+
+
 def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else IMAGES
     matplotlib.rcParams["svg.hashsalt"] = "dapple"  # the same names in every run
-    for draw in (cells, uncovered, repulsion, keyframes, seams):
+    for draw in (cells, uncovered, repulsion, keyframes, seams, symmetry):
         draw().savefig(folder / f"{draw.__name__}.svg", facecolor="white", metadata={"Date": None})
     masks().savefig(folder / "masks.png", facecolor="white", dpi=110)  # too many dots for paths
 

@@ -57,6 +57,7 @@ void bind_analysis(py::module_& m);
 void bind_stipple(py::module_& m);
 void bind_mosaic(py::module_& m);
 void bind_lines(py::module_& m);
+void bind_symmetry(py::module_& m);
 void bind_remesh(py::module_& m);
 void bind_texture(py::module_& m);
 

@@ -95,6 +95,7 @@ PYBIND11_MODULE(_native, m) {
   bind_stipple(m);
   bind_mosaic(m);
   bind_lines(m);
+  bind_symmetry(m);
   bind_remesh(m);
   bind_texture(m);
   refuse_objects_without_values(m);

@@ -43,12 +43,13 @@ inline constexpr Verb<StippleOptions> kStippleInks = {"stipple_inks",
                                                       {"max_slide", "stickiness", "method"}};
 inline constexpr Verb<MosaicOptions> kMosaic = {"mosaic"};
 inline constexpr Verb<RemeshOptions> kRemesh = {"remesh", kSample.without};
+inline constexpr Verb<SymmetryOptions> kSampleSymmetric = {"sample_symmetric", kSample.without};
 inline constexpr Verb<LineOptions> kSampleLines = {"sample_lines"};
 inline constexpr Verb<ImageOptions> kRefineImage = {"refine_image"};
 
-inline constexpr std::tuple kVerbs = {kSample,         kResample,      kRelax,       kSampleClasses,
-                                      kEvaluateEnergy, kAnalyze,       kTracker,     kPopulation,
-                                      kTrackWindow,    kWindowTracker, kStippleInks, kMosaic,
-                                      kRemesh,         kSampleLines,   kRefineImage};
+inline constexpr std::tuple kVerbs = {
+    kSample,  kResample,        kRelax,       kSampleClasses, kEvaluateEnergy, kAnalyze,
+    kTracker, kPopulation,      kTrackWindow, kWindowTracker, kStippleInks,    kMosaic,
+    kRemesh,  kSampleSymmetric, kSampleLines, kRefineImage};
 
 }  // namespace dapple::python

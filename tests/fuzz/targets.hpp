@@ -12,6 +12,7 @@ namespace dapple::fuzz {
 
 void fuzz_surface(Bytes& bytes);
 void fuzz_sample(Bytes& bytes);
+void fuzz_symmetric(Bytes& bytes);
 void fuzz_classes(Bytes& bytes);
 void fuzz_resample(Bytes& bytes);
 void fuzz_relax(Bytes& bytes);
@@ -31,8 +32,9 @@ struct Target {
   void (*run)(Bytes& bytes);
 };
 
-inline constexpr std::array<Target, 15> kTargets = {{{"surface", fuzz_surface},
+inline constexpr std::array<Target, 16> kTargets = {{{"surface", fuzz_surface},
                                                      {"sample", fuzz_sample},
+                                                     {"symmetric", fuzz_symmetric},
                                                      {"classes", fuzz_classes},
                                                      {"resample", fuzz_resample},
                                                      {"relax", fuzz_relax},

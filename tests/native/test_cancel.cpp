@@ -24,6 +24,7 @@
 #include <dapple/sampler.hpp>
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
+#include <dapple/symmetric_samples.hpp>
 #include <dapple/visibility.hpp>
 #include <dapple/window_tracker.hpp>
 #include <functional>
@@ -560,6 +561,13 @@ TEST(Watched, AMosaic) {
 TEST(Watched, SamplesOnLines) {
   const Surface surface = box(4).surface();
   expect_watched([&](Context* context) { (void)sample_lines(surface, 200, {}, context); });
+}
+
+TEST(Watched, SamplesInPairs) {
+  const Surface surface = with_density(box(4), [](const Vec3& p) { return 1.0 + p[0]; }).surface();
+  SymmetryOptions options;
+  options.point = Vec3::Constant(0.5);
+  expect_watched([&](Context* context) { (void)sample_symmetric(surface, 200, options, context); });
 }
 
 TEST(Watched, ARemesh) {

@@ -30,6 +30,7 @@
 #include <dapple/sampler.hpp>
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
+#include <dapple/symmetric_samples.hpp>
 #include <dapple/topology.hpp>
 #include <dapple/visibility.hpp>
 #include <dapple/window_tracker.hpp>
@@ -346,6 +347,18 @@ Prepare sampling_lines(int) {
   });
 }
 
+Prepare sampling_in_pairs(int threads) {
+  const Surface surface = with_density(box(2), [](const Vec3& p) { return 1.0 + p[0]; }).surface();
+  return again([surface, threads](Hash& hash) {
+    SymmetryOptions options{.point = Vec3::Constant(0.5)};
+    options.sample.optimizer.max_evaluations = 3;
+    options.sample.threads = threads;
+    const SymmetricSamples found = sample_symmetric(surface, 41, options);
+    hash.add(found.samples);
+    hash.add(found.mirror);
+  });
+}
+
 Prepare remeshing(int threads) {
   const Surface surface = box(2).surface();
   return again([surface, threads](Hash& hash) {
@@ -544,6 +557,7 @@ constexpr std::array kCases = {
     Case{"Window", a_window},
     Case{"Mosaic", tiling},
     Case{"Lines", sampling_lines},
+    Case{"Symmetric", sampling_in_pairs},
     Case{"Remesh", remeshing},
     Case{"Decals", covering},
     Case{"Refine", refining},

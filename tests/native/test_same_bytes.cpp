@@ -10,6 +10,7 @@
 #include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/stipple.hpp>
+#include <dapple/symmetric_samples.hpp>
 #include <dapple/tracker.hpp>
 #include <dapple/window_tracker.hpp>
 #include <fstream>
@@ -154,6 +155,16 @@ void hash_remesh(Hash& hash, int threads) {
   hash.add(mesh.source_faces);
 }
 
+void hash_symmetric(Hash& hash, int threads) {
+  for (const Shape& shape : {ring(), sloped()}) {
+    SymmetryOptions options;
+    options.sample.threads = threads;
+    const SymmetricSamples found = sample_symmetric(shape.surface(), 301, options);
+    hash.add(found.samples);
+    hash.add(found.mirror);
+  }
+}
+
 struct Case {
   const char* name;
   void (*run)(Hash&, int threads);
@@ -171,6 +182,7 @@ constexpr std::array kCases = {
     Case{"stipple", hash_stipple},
     Case{"mosaic", hash_mosaic},
     Case{"remesh", hash_remesh},
+    Case{"symmetric", hash_symmetric},
 };
 
 std::string recorded(const std::string& name) {

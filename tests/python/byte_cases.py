@@ -445,7 +445,18 @@ def on_lines(mesh: Mesh, count: int, **options: Any) -> Case:
     return run_it
 
 
+def in_pairs(mesh: Mesh, count: int, **options: Any) -> Case:
+    def run_it(run: Run) -> None:
+        found = dapple.sample_symmetric(run.surface(mesh), count, threads=run.threads, **options)
+        run.keep(faces=found.samples.faces, barycentric=found.samples.barycentric)
+        run.keep(mirror=found.mirror)
+
+    return run_it
+
+
 CASES |= {
+    "symmetric": in_pairs(TORUS, 301),
+    "symmetric_oblique": in_pairs(TORUS, 200, normal=(1.0, 2.0, 0.0), max_mirror_error=0.1, seed=3),
     "lines": on_lines(BOX, 50, corners=True),
     "lines_natural": on_lines(BOX, 50, line_spacing="natural", seed=2),
     "remesh": remeshed(TORUS, 500),

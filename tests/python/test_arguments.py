@@ -184,6 +184,9 @@ def whole_arguments() -> list[tuple[str, str, Callable[[dapple.Surface, int], ob
         "WindowTracker": lambda s, **k: dapple.WindowTracker(s, own(s, 2), **k),
         "mosaic": lambda s, **k: dapple.mosaic(s, own(s, 2), **k),
         "remesh": lambda s, **k: dapple.remesh(s, **{"count": 4, **k}),
+        "sample_symmetric": lambda s, **k: dapple.sample_symmetric(
+            s, **{"count": 2, "max_mirror_error": 1.0, **k}
+        ),
         "sample_lines": lambda s, **k: dapple.sample_lines(s, **{"count": 4, **k}),
         "spectrum": lambda s, **k: dapple.spectrum(np.full((2, 2), 0.5), **k),
         "surface_spectrum": lambda s, **k: dapple.surface_spectrum(s, own(s, 2), **k),

@@ -45,6 +45,7 @@ RUN = {
     },
     "docs/large.md": {"python": (2, "here")},
     "docs/lines.md": {"sh": (1, "here"), "python": (2, "here")},
+    "docs/symmetry.md": {"sh": (1, "here"), "python": (1, "here")},
     "docs/masks.md": {"sh": (2, "here"), "python": (1, "here")},
     "docs/remeshing.md": {"sh": (2, "here"), "python": (4, "here")},
     "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
@@ -118,6 +119,16 @@ def test_the_page_on_remeshing_runs(here):
     namespace["later_frames"] = [1.1 * namespace["surface"].vertices]
     exec(third, namespace)
     assert namespace["moved"].flipped == 0
+
+
+def test_the_page_on_symmetry_runs(here):
+    vertices, faces = shapes.grid(6)
+    vertices = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    dapple.write_mesh("body.obj", vertices, faces)
+    dapple.write_mesh("skull.ply", vertices + np.array([12.5, 0, 0]), faces)
+    for command in code("docs/symmetry.md", "sh").splitlines():
+        assert run(*shlex.split(command)[1:]).exit_code == 0
+    exec(code("docs/symmetry.md", "python"), {})
 
 
 def test_the_page_on_lines_runs(here):

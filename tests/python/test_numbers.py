@@ -126,6 +126,10 @@ WITH_OPTIONS: dict[str, tuple[Call, dict[str, Any]]] = {
         {},
     ),
     "remesh": (lambda **given: dapple.remesh(ground(), **given), {"count": 9}),
+    "sample_symmetric": (
+        lambda **given: dapple.sample_symmetric(ground(), **{"max_mirror_error": 1.0, **given}),
+        {"count": 9},
+    ),
     "sample_lines": (lambda **given: dapple.sample_lines(ground(), **given), {"count": 9}),
     "mosaic": (lambda **given: dapple.mosaic(ground(), points(), **given), {"merge": True}),
     "analyze": (lambda **given: dapple.analyze(ground(), points(), **given), {}),

@@ -92,7 +92,7 @@ def test_a_new_option_is_written_by_hand_in_one_header(scratch, root, tables):
     assert changed == {option_tables.STUBS, option_tables.PAGE}
     stubs = generated[scratch / option_tables.STUBS]
     takers = [verb for verb, rows in tables.items() if any(o.name == "damping" for o in rows)]
-    assert stubs.count(" damping: float = 0.25,\n") == len(takers) + 2 == 12, "two have overloads"
+    assert stubs.count(" damping: float = 0.25,\n") == len(takers) + 2 == 13, "two have overloads"
     assert "| `damping` | `0.25` | 0..1 | spacings |" in generated[scratch / option_tables.PAGE]
     for name in (option_headers.HEADER, option_headers.SOURCE):
         ours, theirs = (scratch / name).read_text(), (root / name).read_text()
@@ -277,6 +277,9 @@ CALLS = {
     "stipple_inks": lambda **k: dapple.stipple_inks([[[1.0, 1.0]]], 2, **k),
     "mosaic": lambda **k: dapple.mosaic(SURFACE, two(), **k),
     "remesh": lambda **k: dapple.remesh(SURFACE, 4, **k),
+    "sample_symmetric": lambda **k: dapple.sample_symmetric(
+        SURFACE, 4, **{"point": SURFACE.vertices.mean(axis=0), **k}
+    ),
     "sample_lines": lambda **k: dapple.sample_lines(SURFACE, 4, **k),
     "refine_image": lambda **k: dapple.refine_image(SURFACE, [[[0, 0]] * 3] * 2, [[1.0]], **k),
 }

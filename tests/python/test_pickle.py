@@ -108,6 +108,7 @@ def values():
         "Mosaic": dapple.mosaic(surface, samples, grout=0.01),
         "RemeshResult": dapple.remesh(surface, 120, max_evaluations=3),
         "RemeshReport": dapple.remesh(surface, 120, max_evaluations=3).report,
+        "SymmetricSamples": dapple.sample_symmetric(surface, 50, max_mirror_error=1.0),
         "LineSamples": dapple.sample_lines(surface, 50, feature_angle=0),
         "Texels": dapple.texels(surface, uv, 16, 16),
         "Spectrum": dapple.spectrum(flat.positions, half_width=8),

@@ -15,6 +15,7 @@
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/stipple.hpp>
+#include <dapple/symmetric_samples.hpp>
 #include <dapple/tracker.hpp>
 #include <dapple/window_tracker.hpp>
 
@@ -489,6 +490,18 @@ inline constexpr std::tuple kStippleOptions = {
         false}};
 
 constexpr const auto& options_of(const StippleOptions&) { return kStippleOptions; }
+
+inline constexpr std::tuple kSymmetryOptions = {
+    Group{&SymmetryOptions::sample},
+    Option{"max_mirror_error",
+           &SymmetryOptions::max_mirror_error,
+           {0, kFinite},
+           "",
+           Level::kExpert,
+           "Largest distance from the surface that the mirror image of a vertex may have, relative "
+           "to the surface's size, the diagonal of its bounding box."}};
+
+constexpr const auto& options_of(const SymmetryOptions&) { return kSymmetryOptions; }
 
 inline constexpr std::tuple kWindowOptions = {
     Option{"closed",

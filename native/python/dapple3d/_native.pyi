@@ -242,6 +242,15 @@ class LineSamples:
     @property
     def lengths(self) -> NDArray[np.float64]: ...
 
+class SymmetricSamples:
+    def __len__(self) -> int: ...
+    @property
+    def samples(self) -> Samples: ...
+    @property
+    def mirror(self) -> NDArray[np.int32]: ...
+    @property
+    def mirror_error(self) -> float: ...
+
 class RemeshReport:
     @property
     def asked(self) -> int: ...
@@ -695,6 +704,24 @@ def mosaic(
     insets: ArrayLike | None = None,
     context: Context | None = None,
 ) -> Mosaic: ...
+def sample_symmetric(
+    surface: Surface,
+    count: int,
+    *,
+    seed: int = 0,
+    capacity_weight: float = 30.0,
+    repulsion_weight: float = 3.0,
+    tolerance: float = 5e-05,
+    max_evaluations: int = 200,
+    method: Literal["trust_region", "line_search"] = "trust_region",
+    start: Literal["poisson", "random"] = "poisson",
+    cells: Literal["connected", "euclidean"] = "connected",
+    threads: int = 0,
+    max_mirror_error: float = 0.01,
+    normal: ArrayLike = (1, 0, 0),
+    point: ArrayLike = (0, 0, 0),
+    context: Context | None = None,
+) -> SymmetricSamples: ...
 def sample_lines(
     surface: Surface,
     count: int,

@@ -88,41 +88,6 @@ void repel(const Objective& objective, Evaluation& state) {
 
 }  // namespace
 
-Sites select(const Sites& sites, std::span<const std::int32_t> members) {
-  Sites result;
-  select(sites, members, result);
-  return result;
-}
-
-void select(const Sites& sites, std::span<const std::int32_t> members, Sites& chosen) {
-  const bool bound = !sites.barycentric.empty();
-  chosen.positions.resize(members.size());
-  chosen.faces.resize(members.size());
-  chosen.barycentric.resize(bound ? members.size() : 0);
-  for_each_vector(members.size(), [&](std::size_t k) {
-    const auto site = static_cast<std::size_t>(members[k]);
-    chosen.positions[k] = sites.positions[site];
-    chosen.faces[k] = sites.faces[site];
-    if (bound) chosen.barycentric[k] = sites.barycentric[site];
-  });
-}
-
-void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen) {
-  for (std::size_t k = 0; k < members.size(); ++k) {
-    const auto site = static_cast<std::size_t>(members[k]);
-    sites.positions[site] = chosen.positions[k];
-    sites.faces[site] = chosen.faces[k];
-    sites.barycentric[site] = chosen.barycentric[k];
-  }
-}
-
-void append(Sites& sites, const Sites& more) {
-  sites.positions.insert(sites.positions.end(), more.positions.begin(), more.positions.end());
-  sites.faces.insert(sites.faces.end(), more.faces.begin(), more.faces.end());
-  sites.barycentric.insert(sites.barycentric.end(), more.barycentric.begin(),
-                           more.barycentric.end());
-}
-
 double Objective::total_weight() const {
   double sum = 0.0;
   for (const Term& term : terms) sum += term.weight;
@@ -137,6 +102,7 @@ double Objective::scale(std::size_t term, std::size_t sites) const {
 Sites Objective::project(const Vectors& points, std::span<const std::int32_t> hints,
                          std::span<const std::int32_t> which, const Context* context) const {
   const StageSpan projecting(context, Stage::kProjection);
+  if (mirror && which.empty()) return mirror->project(domain(), points, hints, context);
   if (homes.size() < 2)
     return (homes.empty() ? domain() : *homes[0]).project(points, hints, context);
   Sites result{points, {hints.begin(), hints.end()}, Vectors(points.size())};
@@ -155,6 +121,7 @@ Sites Objective::project(const Vectors& points, std::span<const std::int32_t> hi
 
 void Objective::restrict(Vectors& v, const Vectors& normals) const {
   make_tangential(v, normals);
+  if (mirror) mirror->restrict(v, normals);
   if (locked.empty()) return;
   for (std::size_t k = 0; k < v.size(); ++k)
     if (locked[k]) v[k].setZero();

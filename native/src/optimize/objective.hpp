@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <dapple/energy.hpp>
 
+#include "optimize/chosen_sites.hpp"
 #include "optimize/discs.hpp"
+#include "optimize/mirror.hpp"
 
 namespace dapple {
 
@@ -45,6 +47,7 @@ struct Objective {
   Vectors anchors = {};                 ///< where stickiness holds the sites; empty without it
   std::vector<double> stickiness = {};  ///< of each: adds its product with |x_k - anchor_k|^2
   std::vector<bool> locked = {};        ///< per site, whether it stays where it is; empty: none
+  const Mirror* mirror = nullptr;       ///< keeps all sites symmetric; null: they need not be
 
   [[nodiscard]] const Domain& domain() const { return *terms[0].domain; }
   [[nodiscard]] double total_weight() const;
@@ -58,20 +61,9 @@ struct Objective {
                               std::span<const std::int32_t> which = {},
                               const Context* context = nullptr) const;
 
-  /// Remove the normal part of moves, and moves of locked sites.
+  /// Remove the normal part of moves, moves of locked sites, and what is not symmetric.
   void restrict(Vectors& v, const Vectors& normals) const;
 };
-
-/// The chosen sites.
-[[nodiscard]] Sites select(const Sites& sites, std::span<const std::int32_t> members);
-/// The same in the memory of `chosen`.
-void select(const Sites& sites, std::span<const std::int32_t> members, Sites& chosen);
-
-/// Put chosen sites back: the inverse of select().
-void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen);
-
-/// Append sites.
-void append(Sites& sites, const Sites& more);
 
 /// One term at given sites.
 struct Part {

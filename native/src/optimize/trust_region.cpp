@@ -129,6 +129,7 @@ Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
       if (separates_) separate_crowded(objective, state, direction);
       if (objective.holds_discs)
         keep_discs_apart(discs_of(objective, state), objective.locked, direction);
+      if (objective.mirror) restrict(direction);
       return direction;
     }
     delta_ *= excess > kFarOff ? kFar : kTooLong;

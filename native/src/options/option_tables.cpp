@@ -16,6 +16,7 @@ void check_options(const ResampleOptions& options) { check_ranges(options); }
 void check_options(const SampleOptions& options) { check_ranges(options); }
 void check_options(const ClassOptions& options) { check_ranges(options); }
 void check_options(const StippleOptions& options) { check_ranges(options); }
+void check_options(const SymmetryOptions& options) { check_ranges(options); }
 void check_options(const WindowOptions& options) { check_ranges(options); }
 
 }  // namespace dapple

@@ -3,9 +3,11 @@
 
 import functools
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+from numpy.typing import NDArray
 
 import dapple3d as dapple
 from dapple3d.cli import meshes, options, points
@@ -68,6 +70,7 @@ class Output:
         *,
         settings: dict[str, Any],
         read: dict[str, str] | None = None,
+        arrays: dict[str, NDArray] | None = None,
         **more: Any,
     ) -> None:
         """Write samples of the mesh that was loaded, the report, and a line.
@@ -76,11 +79,13 @@ class Output:
             said: how the line goes on after the file's name.
             settings: all that the command was called with, for the report.
             read: what else was read, for the report.
+            arrays: more of each point, by name.
             more: more of the report.
         """
         found = points.points_of(samples)
         if self.attributes:
             found = with_attributes(loaded.mesh, samples, found)
+        found = replace(found, attributes={**found.attributes, **(arrays or {})})
         points.write_points(self.path, found)
         self.reporter.store(
             command,
