@@ -13,6 +13,7 @@ from ...core.surface.records import (
     ADDED_ATTRIBUTES,
     FADE_ATTRIBUTES,
     FRAME_ATTRIBUTES,
+    MIRROR_ATTRIBUTES,
     POINT_ATTRIBUTES,
     ROW_ATTRIBUTES,
 )
@@ -104,13 +105,14 @@ def _write_solved_report(obj: bpy.types.Object) -> None:
 def add_points(obj: bpy.types.Object, born: Born) -> None:
     """Append the points that a bake adds to the optimized ones."""
     mesh, count = own_mesh(obj), len(obj.data.vertices)
-    added = {name: kind for name, kind in ADDED_ATTRIBUTES.items() if name in mesh.attributes}
+    optional = {**ADDED_ATTRIBUTES, **MIRROR_ATTRIBUTES}
+    added = {name: kind for name, kind in optional.items() if name in mesh.attributes}
     types = {**ROW_ATTRIBUTES, **POINT_ATTRIBUTES, **added}
     before = read_columns(mesh, types)
     mesh.vertices.add(len(born.positions))
     places = np.concatenate([read_points(mesh)[:count], to_local(obj, born.positions)])
     mesh.vertices.foreach_set("co", places.astype(np.float32).ravel())
-    after = {**born.binding.rows(), **born.columns}
+    after = {"dapple_mirror": born.columns["id"], **born.binding.rows(), **born.columns}
     joined = {name: np.concatenate([values, after[name]]) for name, values in before.items()}
     joined["dapple_faded"] = np.repeat([0.0, 1.0], [count, len(born.positions)])
     write_columns(mesh, joined, {**types, **FADE_ATTRIBUTES})

@@ -8,6 +8,7 @@ from ...core.solve.stale import settings_text
 from ...core.surface.arrays import SurfaceArrays
 from ...core.surface.records import (
     ADDED_ATTRIBUTES,
+    MIRROR_ATTRIBUTES,
     POINT_ATTRIBUTES,
     REST_ATTRIBUTES,
     ROW_ATTRIBUTES,
@@ -48,6 +49,7 @@ def write_scattered(
     mesh = own_mesh(obj)
     write_points(mesh, places)
     write_columns(mesh, solved.columns, {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES})
+    _write_mirror(mesh, solved.columns)
     mesh[SCHEMA_KEY] = SCHEMA
     forget_edited(obj)
     obj.dapple.solved_settings = settings_text(solved.settings)
@@ -56,6 +58,15 @@ def write_scattered(
     write_figures(obj, solved)
     write_binding(obj, arrays, solved.binding, rest)
     write_warning(obj)
+
+
+def _write_mirror(mesh: bpy.types.Mesh, columns: Columns) -> None:
+    """Store which points are mirror images; nothing where they are not in pairs."""
+    if MIRROR_ATTRIBUTES.keys() <= columns.keys():
+        write_columns(mesh, columns, MIRROR_ATTRIBUTES)
+        return
+    for attribute in filter(None, map(mesh.attributes.get, MIRROR_ATTRIBUTES)):
+        mesh.attributes.remove(attribute)
 
 
 def write_figures(obj: bpy.types.Object, solved: Scattered) -> None:

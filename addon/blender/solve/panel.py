@@ -34,6 +34,8 @@ def draw_amount(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None
     column.prop(settings, "scatter_on", text_ctxt=OWN)
     if settings.scatter_on == ON_EDGES:
         _draw_edges(layout, settings)
+    else:
+        column.prop(settings, "symmetry")
     column = layout.column()
     column.prop(settings, "amount", text="Points")
     column.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")

@@ -9,6 +9,7 @@ from .display_table import DISPLAY
 from .edge_table import EDGES
 from .instance_table import CLASS, INSTANCES, TILES
 from .solver_options import MOTION, SAMPLE
+from .symmetry_table import SYMMETRY
 
 AXES = {
     f"{sign}{name}": (-1.0 if sign else 1.0) * np.eye(3)[k]
@@ -310,6 +311,7 @@ _UPDATES = (
 SCATTER: Settings = (
     *_AMOUNT,
     *EDGES,
+    *SYMMETRY,
     *_FACES,
     *SAMPLE,
     *_DIRECTION,

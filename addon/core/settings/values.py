@@ -9,6 +9,7 @@ from .edge_table import MARKS, ON_EDGES
 from .fields import BakeFields, ClassFields, DensityFields, SolutionFields, TileFields
 from .instance_table import KEEP
 from .solver_options import SAMPLE, TRACKED
+from .symmetry_table import NO_SYMMETRY
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,11 @@ class Settings(SolutionFields):
     def on_edges(self) -> bool:
         """Whether points are along edges of the surface, not all over it."""
         return self.scatter_on == ON_EDGES
+
+    @property
+    def in_pairs(self) -> bool:
+        """Whether points are in pairs of mirror images."""
+        return self.symmetry != NO_SYMMETRY and not self.on_edges
 
     def sample_options(self) -> dict[str, Any]:
         """Keyword options of dapple.sample, without count, classes and density."""

@@ -35,9 +35,10 @@ _OVERLAP = ("worst_overlap", "overlap_first", "overlap_second")
 
 def keeps(settings: Settings, changed: list[str], same_faces: bool) -> bool:
     """Whether points can be kept: same faces, object types and seed. Points on edges are made anew,
-    which is quick.
+    which is quick, and so are mirror images, which would not stay symmetric.
     """
-    return same_faces and not settings.on_edges and KEEPING.issuperset(changed)
+    anew = settings.on_edges or settings.in_pairs
+    return same_faces and not anew and KEEPING.issuperset(changed)
 
 
 def kept(

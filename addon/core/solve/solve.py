@@ -20,6 +20,7 @@ from .class_counts import clearances, sampled
 from .edges import bound_on_edges, counts_on_edges, dealt, sampled_on_edges
 from .figures import Details, details_of
 from .locked import Locked, kept_ids, rows_of
+from .symmetric import paired_ranks, sampled_in_pairs
 
 _AT_BORDER = 0.5  # length of the direction away from neighbors at a straight border
 
@@ -60,7 +61,7 @@ class Scattered:
 
     positions: Floats
     binding: Binding
-    columns: Columns  # named as in POINT_ATTRIBUTES and ADDED_ATTRIBUTES
+    columns: Columns  # named as in POINT_ATTRIBUTES, ADDED_ATTRIBUTES and MIRROR_ATTRIBUTES
     report: Report
     details: Details = field(default_factory=Details)
     settings: Settings = field(default_factory=Settings)  # that it was solved with
@@ -85,13 +86,15 @@ def scatter(
         return _scatter_on_edges(arrays, settings, context, locked)
     with named(arrays.name):
         masked = masked_surface_of(arrays, settings)
-        fine = sampled(masked, settings, context, locked)
+        fine, mirror = _sampled(masked, arrays, settings, context, locked)
         samples = masked.to_original(fine)
         ranks = package().progressive_ranks(fine.positions, fine.classes)
     ids = samples.ids if locked is None else kept_ids(locked, samples.classes)
     columns = point_columns(ids, samples.classes, settings.seed)
     if locked is not None:
         columns["dapple_locked"][rows_of(locked, samples.classes)] = True
+    if mirror is not None:
+        columns["dapple_mirror"], ranks = ids[mirror], paired_ranks(ranks, mirror)
     density = masked.density_at(fine)
     columns["dapple_density"] = shares(masked, density)
     columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
@@ -106,6 +109,20 @@ def scatter(
     details = details_of(fine, density)
     capacity, solved = float(masked.surface.capacity), Solved(arrays, masked, fine)
     return Scattered(positions, binding, columns, report, details, settings, capacity, solved)
+
+
+def _sampled(
+    masked: MaskedSurface,
+    arrays: SurfaceArrays,
+    settings: Settings,
+    context: Any,
+    locked: Locked | None,
+) -> tuple[Any, Ints | None]:
+    """dapple.Samples, and the row of each one's mirror image if they are in pairs."""
+    if not settings.in_pairs:
+        return sampled(masked, settings, context, locked), None
+    found = sampled_in_pairs(masked, arrays, settings, context, locked)
+    return found.samples, found.mirror
 
 
 def _scatter_on_edges(

@@ -17,6 +17,7 @@ from ..settings.density_table import DENSITY
 from ..settings.descriptors import DATA_BLOCKS, Changes, Kind
 from ..settings.edge_table import EDGES, ON_EDGES
 from ..settings.solver_options import MOTION, SAMPLE
+from ..settings.symmetry_table import SYMMETRY
 from ..settings.values import BakeSettings, ClassSettings, Settings
 from ..surface.arrays import Floats, SurfaceArrays, turn_of
 from ..surface.records import own_random
@@ -94,6 +95,8 @@ def _of_effect(values: dict[str, Any]) -> dict[str, Any]:
         found["count"] = 0
     if found.get("scatter_on") != ON_EDGES:
         found |= {setting.name: None for setting in EDGES[1:]}
+    else:
+        found |= {setting.name: None for setting in SYMMETRY}
     if isinstance(found.get("density"), dict):
         found["density"] = _terms(found["density"])
     if isinstance(found.get("object_types"), list):

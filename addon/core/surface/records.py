@@ -77,6 +77,9 @@ ADDED_ATTRIBUTES = {
     "dapple_clearance": "FLOAT",
     "dapple_apart": "FLOAT_VECTOR",
 }
+# The id of the mirror image, where points are in pairs; a point's own on the plane and where it has
+# none.
+MIRROR_ATTRIBUTES = {"dapple_mirror": "INT"}
 
 MOST_CLASSES = 10_000
 _LIMITS = {

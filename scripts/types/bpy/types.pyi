@@ -204,6 +204,7 @@ class DAPPLE_PG_scatter(_Open):
     edge_spacing: str
     edge_corners: bool
     align_to_edges: bool
+    symmetry: str
     merge_doubled: bool
     seed: int
     capacity_weight: float
