@@ -575,6 +575,12 @@ TEST(Watched, ARemesh) {
   expect_watched([&](Context* context) { (void)remesh(surface, 200, {}, context); });
 }
 
+TEST(Watched, ARemeshWithinADistance) {
+  const Surface surface = icosphere(1).surface();
+  expect_watched(
+      [&](Context* context) { (void)remesh(surface, 12, {.max_distance = 0.2}, context); });
+}
+
 TEST(Watched, Stipples) {
   Image ink{16, 16, {}}, other{16, 16, {}};
   for (int k = 0; k < 256; ++k) {

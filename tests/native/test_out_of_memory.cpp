@@ -371,6 +371,19 @@ Prepare remeshing(int threads) {
   });
 }
 
+Prepare remeshing_near(int threads) {
+  const Surface surface = icosphere(1).surface();
+  return again([surface, threads](Hash& hash) {
+    RemeshOptions options;
+    options.optimizer.max_evaluations = 3;
+    options.max_distance = 0.2;
+    options.threads = threads;
+    const RemeshResult mesh = remesh(surface, 10, options);
+    hash.add(mesh.vertices);
+    hash.add(mesh.faces);
+  });
+}
+
 Prepare covering(int) {
   const Surface surface = grid(3).surface();
   std::vector<FaceUv> uv;
@@ -559,6 +572,7 @@ constexpr std::array kCases = {
     Case{"Lines", sampling_lines},
     Case{"Symmetric", sampling_in_pairs},
     Case{"Remesh", remeshing},
+    Case{"RemeshNear", remeshing_near},
     Case{"Decals", covering},
     Case{"Refine", refining},
     Case{"RefineOutside", leaving_out_hidden_faces, 1},  // as Polygon

@@ -42,7 +42,8 @@ constexpr double kFiner = 0.5;                 // spacings: their edges
 constexpr std::size_t kFinerFaces = 40;
 constexpr double kSolved = 0.8;  // of the progress
 constexpr double kMended = 0.95;
-constexpr double kThinned = 0.5;  // if there is a limit of the distance
+constexpr double kThinned = 0.8;  // if there is a limit of the distance
+constexpr double kHalfWay = 8.0;  // rounds after which half of the rest is done
 
 /// The distance between neighbors where the density is 1, if `count` vertices are spaced evenly:
 /// those on borders have half a cell.
@@ -285,7 +286,7 @@ class Remesher {
     // Some of the places may break the topology: fewer of them are tried then, down to each alone.
     std::size_t tried = far.places.size();
     for (int k = 0; k < kApproaches && !far.places.empty() && sites_.size() < most; ++k) {
-      Stretch round(context, 1.0 * k / kApproaches, (k + 1.0) / kApproaches);
+      Stretch round(context, k / (k + kHalfWay), (k + 1.0) / (k + 1.0 + kHalfWay));
       tried = std::min(tried, far.places.size());
       if (mend(surface_, lines_, {far.places.data(), tried}, sites_) == 0) break;
       if (k < kSettlings) settle_others(round.context());
