@@ -79,3 +79,12 @@ def test_names_what_is_wrong(tmp_path, torus, arguments, message):
     assert found.exit_code != 0
     assert message in found.output
     assert not list(tmp_path.glob("out*"))
+
+
+def test_tells_how_near_it_is_and_what_that_needs(tmp_path, torus, surface):
+    said = done(torus, tmp_path / "e.ply", "-n", 60, "--max-distance", 0.03).stdout
+    made = dapple.remesh(surface, 60, max_distance=0.03)
+    assert len(made) > 60
+    assert f"; the distance needs {len(made) - 60} more than asked for" in said
+    assert f"; at most {made.report.distance:.3g} from the surface" in said
+    assert "from the surface" not in done(torus, tmp_path / "e.ply", "-n", 60).stdout

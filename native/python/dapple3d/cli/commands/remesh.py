@@ -55,8 +55,8 @@ def command(
     """Make a new triangle mesh of COUNT evenly spaced vertices on MESH, into OUT.
 
     Creases, corners and borders stay, and so does the topology: where it needs more vertices, the
-    command says how many. MESH is read as by 'sample'. OUT is .ply, .obj, .off, .stl or .npz, which
-    also holds where each vertex lies on MESH.
+    command says how many; --max-distance adds more. MESH is read as by 'sample'. OUT is .ply, .obj,
+    .off, .stl or .npz, which also holds where each vertex lies on MESH.
 
     MESH may be a motion: a folder of meshes with the same polygons, or one .npz with 'vertices'
     (frames, v, 3) and 'faces' (m, 3). The mesh of its first frame then moves along, its vertices
@@ -67,6 +67,7 @@ def command(
     Examples:
       dapple remesh bunny.ply even.ply -n 10000
       dapple remesh part.stl even.obj --spacing 0.5 --feature-angle 40
+      dapple remesh part.stl even.obj -n 2000 --max-distance 0.01
       dapple remesh walk.npz even.npz -n 5000
     """
     reporter = Reporter(json_out, quiet)
@@ -199,7 +200,10 @@ def figures(report: dapple.RemeshReport) -> str:
         "have six neighbors"
     )
     if report.vertices > report.asked:
-        words += f"; the topology needs {report.vertices - report.asked} more than asked for"
+        needs = "the distance needs" if report.distance else "the topology needs"
+        words += f"; {needs} {report.vertices - report.asked} more than asked for"
+    if report.distance:
+        words += f"; at most {report.distance:.3g} from the surface"
     if report.dropped_lines:
         words += f"; {report.dropped_lines} creases were given up"
     if report.flaws:
