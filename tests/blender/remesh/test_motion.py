@@ -214,3 +214,60 @@ def test_a_canceled_bake_changes_nothing():
     assert bpy.context.scene.frame_current == 4
     assert bpy.data.objects[handle].data.shape_keys is None
     assert len(obj.modifiers) == 2
+
+
+PRESSED = {
+    **{"count": 200, "feature_angle": 0.5, "max_distance": 0.0, "animation": "SHAPE_KEYS"},
+    **{"frame_start": 1, "frame_end": 6},
+}
+
+
+def keys_of(obj):
+    return len(obj.data.shape_keys.key_blocks) if obj.data.shape_keys else 0
+
+
+def test_in_the_background_it_is_one_step_of_undo(artist):
+    scenes.tail(levels=0, frames=6)
+    bpy.context.scene.frame_set(3)
+    bpy.ops.ed.undo_push(message="Before")
+    assert artist.press("remesh", **PRESSED) == {"CANCELLED"}
+    artist.until(lambda: bpy.context.scene.frame_current > 4)
+    assert artist.work.line().startswith("Remesh with Dapple: ")
+    assert artist.work.job.progress > 0.2
+    assert keys_of(bpy.context.object) == 0
+    artist.finish()
+    obj = bpy.context.object
+    assert keys_of(obj) == 6
+    assert len(obj.modifiers) == 0
+    assert bpy.context.scene.frame_current == 3
+    assert "6 frames as shape keys" in artist.said(obj)[-1][1]
+    bpy.ops.ed.undo()
+    assert keys_of(bpy.context.object) == 0
+    assert len(bpy.context.object.modifiers) == 2
+    bpy.ops.ed.redo()
+    assert keys_of(bpy.context.object) == 6
+
+
+def test_in_the_background_it_ends_if_the_mesh_is_changed(artist):
+    obj = scenes.tail(levels=0, frames=6)
+    vertices = len(obj.data.vertices)
+    artist.press("remesh", **PRESSED)
+    artist.until(lambda: bpy.context.scene.frame_current > 2)
+    obj.data.vertices[0].co.x += 1.0
+    obj.data.update_tag()
+    artist.finish()
+    assert "'Tail' was changed" in artist.said(obj)[0][1]
+    assert len(obj.data.vertices) == vertices
+    assert keys_of(obj) == 0
+    assert bpy.context.scene.frame_current == 1
+
+
+def test_in_the_background_changing_faces_are_told(artist):
+    obj = scenes.tail(levels=0, frames=6)
+    modifier = obj.modifiers.new("Build", "BUILD")
+    modifier.frame_start, modifier.frame_duration = -5, 20
+    artist.press("remesh", **PRESSED)
+    artist.finish()
+    assert "'Tail' has other faces in frame 2 than in frame 1" in artist.said(obj)[-1][1]
+    assert keys_of(obj) == 0
+    assert len(obj.modifiers) == 3
