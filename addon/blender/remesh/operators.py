@@ -61,6 +61,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         "where it would be larger. 0 sets no limit",
         default=0.0,
         min=0.0,
+        soft_max=10.0,
         subtype="DISTANCE",
     )
 
@@ -88,6 +89,9 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         default=1,
         min=-_MOST_FRAMES,
         max=_MOST_FRAMES,
+        soft_min=0,
+        soft_max=10_000,
+        subtype="TIME",
     )
     frame_end: bpy.props.IntProperty(
         name="End",
@@ -95,6 +99,9 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         default=250,
         min=-_MOST_FRAMES,
         max=_MOST_FRAMES,
+        soft_min=0,
+        soft_max=10_000,
+        subtype="TIME",
     )
 
     @classmethod
