@@ -78,6 +78,15 @@ class Calm(Dapple):
         return dapple.Tracker(surface, samples, pattern_strength=0.2, stickiness=0.1, threads=1)
 
 
+class Alike(Dapple):
+    """A Tracker whose samples return to the first pattern slowly, and slide as neighbors do."""
+
+    def tracker(self, surface: dapple.Surface, samples: dapple.Samples) -> dapple.Tracker:
+        return dapple.Tracker(
+            surface, samples, pattern_strength=0.3, slide_smoothing=0.03, threads=1
+        )
+
+
 class Window:
     """dapple.track_window over all frames of a loop, of which the last is the first again."""
 
@@ -99,6 +108,7 @@ CONTENDERS: dict[str, Callable[[dapple.Surface, dapple.Samples], Contender]] = {
     "paper": Paper,
     "dapple": Dapple,
     "calm": Calm,
+    "alike": Alike,
 }
 
 

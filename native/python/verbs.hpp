@@ -13,7 +13,7 @@ namespace dapple::python {
 /// A function of the package, or a class, whose options are those of a struct.
 template <class Struct>
 struct Verb {
-  using Names = std::array<std::string_view, 3>;
+  using Names = std::array<std::string_view, 4>;
 
   const char* name;
   Names without = {};  ///< options of the struct that it does not have
@@ -27,8 +27,9 @@ struct Verb {
   }
 };
 
-// max_slide and stickiness keep samples near their previous positions, which only trackers need.
-inline constexpr Verb<SampleOptions> kSample = {"sample", {"max_slide", "stickiness"}};
+// What keeps samples near their previous positions is for trackers.
+inline constexpr Verb<SampleOptions> kSample = {"sample",
+                                                {"max_slide", "stickiness", "slide_smoothing"}};
 inline constexpr Verb<ResampleOptions> kResample = {"resample", kSample.without};
 inline constexpr Verb<RelaxOptions> kRelax = {"relax", kSample.without};
 inline constexpr Verb<ClassOptions> kSampleClasses = {"sample_classes", kSample.without};
@@ -39,8 +40,8 @@ inline constexpr Verb<TrackerOptions> kTracker = {"Tracker"};
 inline constexpr Verb<PopulationOptions> kPopulation = {"Population"};
 inline constexpr Verb<WindowOptions> kTrackWindow = {"track_window"};
 inline constexpr Verb<WindowOptions> kWindowTracker = {"WindowTracker"};
-inline constexpr Verb<StippleOptions> kStippleInks = {"stipple_inks",
-                                                      {"max_slide", "stickiness", "method"}};
+inline constexpr Verb<StippleOptions> kStippleInks = {
+    "stipple_inks", {"max_slide", "stickiness", "slide_smoothing", "method"}};
 inline constexpr Verb<MosaicOptions> kMosaic = {"mosaic"};
 inline constexpr Verb<RemeshOptions> kRemesh = {"remesh", kSample.without};
 inline constexpr Verb<SymmetryOptions> kSampleSymmetric = {"sample_symmetric", kSample.without};

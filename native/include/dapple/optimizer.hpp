@@ -43,6 +43,10 @@ struct OptimizerOptions {
   /// Gamma, the weight that holds a sample where the surface carries it: larger values slide less
   /// and are less even; 1 is the weight of E_cvt.
   double stickiness = 0.0;  // basic, >= 0
+  // sum (m_i + m_j) / 2 |d_i - d_j|^2 over neighbors, where d_k = x_k - start_k
+  /// Sigma, the weight that lets neighbors slide alike: larger values are calmer from frame to
+  /// frame and less even; 1 is the weight of E_cvt.
+  double slide_smoothing = 0.0;  // expert, >= 0
   /// Stop once the normalized energy is not above it.
   double target_energy = -kInfinite;  // internal, -kInfinite..kInfinite
   /// Method of finding a step: a trust region, or plain L-BFGS with a line search as in the paper.

@@ -192,6 +192,13 @@ inline constexpr std::tuple kOptimizerOptions = {
            Level::kBasic,
            "Gamma, the weight that holds a sample where the surface carries it: larger values "
            "slide less and are less even; 1 is the weight of E_cvt."},
+    Option{"slide_smoothing",
+           &OptimizerOptions::slide_smoothing,
+           {0, kFinite},
+           "",
+           Level::kExpert,
+           "Sigma, the weight that lets neighbors slide alike: larger values are calmer from frame "
+           "to frame and less even; 1 is the weight of E_cvt."},
     Option{"target_energy",
            &OptimizerOptions::target_energy,
            {-kInfinite, kInfinite},

@@ -90,8 +90,10 @@ void GaussNewton::add_masses(const Objective& objective, const Evaluation& state
     for (std::size_t k = 0; k < cells.size(); ++k)
       masses_[site_of(objective.terms[t], k)] += factor * std::max(cells[k].mass, least);
   }
-  held_.clear();
-  for (const double stickiness : objective.stickiness) held_.push_back(2.0 * stickiness / unit_);
+  anchoring_ = &objective.anchoring;
+  held_.resize(anchoring_->empty() ? 0 : masses_.size());
+  for_each_vector(held_.size(),
+                  [&](std::size_t k) { held_[k] = 2.0 * anchoring_->stiffness(k) / unit_; });
 }
 
 void GaussNewton::add_pairs(const Objective& objective, const Evaluation& state) {
@@ -124,10 +126,20 @@ void GaussNewton::add_blocks() {
   }
 }
 
+Tangent GaussNewton::pull_of_neighbors(const TangentVectors& v, std::size_t k) const {
+  Vec3 sum = Vec3::Zero();
+  for (const std::int32_t neighbor : anchoring_->neighbors(k)) {
+    const auto j = static_cast<std::size_t>(neighbor);
+    sum += to_space(bases_[j], v[j], anchoring_->stiffness(k, j));
+  }
+  return to_tangent(bases_[k], sum, 2.0 / unit_);
+}
+
 void GaussNewton::apply(const TangentVectors& v, double delta, TangentVectors& result) {
   parallel_chunks(v.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       Tangent sum = (delta * masses_[k] + (held_.empty() ? 0.0 : held_[k])) * v[k];
+      if (!held_.empty()) sum += -pull_of_neighbors(v, k);
       for (const Side& side : sides(k))
         sum += (side.own.dot(v[k]) - side.others.dot(v[static_cast<std::size_t>(side.other)])) *
                side.own;

@@ -48,6 +48,7 @@ class GaussNewton {
                                      side_starts_[site + 1] - side_starts_[site]);
   }
   void apply(const TangentVectors& v, double delta, TangentVectors& result);
+  [[nodiscard]] Tangent pull_of_neighbors(const TangentVectors& v, std::size_t k) const;
   void precondition(double delta);
 
   int steps_ = 0;
@@ -55,7 +56,8 @@ class GaussNewton {
   double unit_ = 1.0;  // all entries are divided by it
   std::vector<TangentBasis> bases_;
   std::vector<double> masses_;  // factors of delta on the diagonal
-  std::vector<double> held_;    // what is added to it; empty: nothing
+  const Anchoring* anchoring_ = nullptr;
+  std::vector<double> held_;  // what it adds to the diagonal; empty: nothing
   std::vector<CapacityJacobian> terms_;
   std::vector<std::size_t> side_starts_;  // rows of sides_, one more than sites
   std::vector<Side> sides_;

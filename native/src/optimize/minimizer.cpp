@@ -79,8 +79,9 @@ class Minimizer {
     check_finite_energy(objective_, state_);
     give_room(objective_, state_);
     shrink_radii(objective_, state_);
-    if (options_.stickiness > 0.0)
-      stick(objective_, state_, limit_.home().positions, options_.stickiness);
+    const Hold hold{options_.stickiness, options_.slide_smoothing};
+    if (hold.stickiness > 0.0 || hold.smoothing > 0.0)
+      anchor(objective_, state_, limit_.home().positions, hold);
     if (restoring()) {
       weigh_cvt(objective_, state_, restoration_->cvt_weight(objective_, state_));
       region_.set_least_delta(restoration_->share);

@@ -54,12 +54,12 @@ void add_wanted(const Objective& objective, std::size_t term, const Part& part, 
   state.total += weight * sum;
 }
 
-void add_stickiness(const Objective& objective, Evaluation& state) {
-  for (std::size_t k = 0; k < objective.anchors.size(); ++k) {
-    const Vec3 way = state.sites.positions[k] - objective.anchors[k];
-    state.total += objective.stickiness[k] * way.squaredNorm();
-    state.gradient[k] += 2.0 * objective.stickiness[k] * way;
-  }
+void add_anchoring(const Anchoring& anchoring, Evaluation& state) {
+  if (anchoring.empty()) return;
+  const Vectors& positions = state.sites.positions;
+  for (std::size_t k = 0; k < positions.size(); ++k) state.total += anchoring.energy(positions, k);
+  for_each_vector(positions.size(),
+                  [&](std::size_t k) { state.gradient[k] += anchoring.gradient(positions, k); });
 }
 
 void add_up(const Objective& objective, Evaluation& state) {
@@ -71,7 +71,7 @@ void add_up(const Objective& objective, Evaluation& state) {
     add_wanted(objective, t, state.parts[t], state);
   }
   if (!state.discs.pairs.empty()) add_scaled(state.gradient, 1.0, state.discs.gradient);
-  add_stickiness(objective, state);
+  add_anchoring(objective.anchoring, state);
   objective.restrict(state.gradient, state.normals);
 }
 
@@ -217,9 +217,9 @@ std::vector<double> energy_shares(const Objective& objective, const Evaluation& 
     add_pairs(state.parts[t].repulsion, site, scale);
   }
   add_pairs(state.discs, [](std::int32_t k) { return static_cast<std::size_t>(k); }, 1.0);
-  for (std::size_t k = 0; k < objective.anchors.size(); ++k)
-    shares[k] +=
-        objective.stickiness[k] * (state.sites.positions[k] - objective.anchors[k]).squaredNorm();
+  if (!objective.anchoring.empty())
+    for (std::size_t k = 0; k < shares.size(); ++k)
+      shares[k] += objective.anchoring.energy(state.sites.positions, k);
   return shares;
 }
 
@@ -250,12 +250,9 @@ double capacity_variation(const Objective& objective, const Evaluation& state) {
              : 0.0;
 }
 
-void stick(Objective& objective, Evaluation& state, Vectors anchors, double gamma) {
-  const std::vector<Moments>& cells = state.diagram().cells;
-  objective.anchors = std::move(anchors);
-  objective.stickiness.clear();
-  for (const Moments& cell : cells)
-    objective.stickiness.push_back(gamma * objective.scale(0, cells.size()) * cell.mass);
+void anchor(Objective& objective, Evaluation& state, Vectors anchors, const Hold& hold) {
+  const double scale = objective.scale(0, anchors.size());
+  objective.anchoring = Anchoring(state.diagram(), std::move(anchors), scale, hold);
   add_up(objective, state);
 }
 

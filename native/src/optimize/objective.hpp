@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <dapple/energy.hpp>
 
+#include "optimize/anchoring.hpp"
 #include "optimize/chosen_sites.hpp"
 #include "optimize/discs.hpp"
 #include "optimize/mirror.hpp"
@@ -43,11 +44,10 @@ struct Objective {
   std::vector<std::int32_t> classes = {};  ///< per site; empty if there is one home
   std::vector<double> discs = {};          ///< radius of each site's disc; empty if none has one
   double discs_weight = 0.0;
-  bool holds_discs = false;             ///< whether no step may make two discs overlap
-  Vectors anchors = {};                 ///< where stickiness holds the sites; empty without it
-  std::vector<double> stickiness = {};  ///< of each: adds its product with |x_k - anchor_k|^2
-  std::vector<bool> locked = {};        ///< per site, whether it stays where it is; empty: none
-  const Mirror* mirror = nullptr;       ///< keeps all sites symmetric; null: they need not be
+  bool holds_discs = false;        ///< whether no step may make two discs overlap
+  Anchoring anchoring = {};        ///< what ties the sites to where they began
+  std::vector<bool> locked = {};   ///< per site, whether it stays where it is; empty: none
+  const Mirror* mirror = nullptr;  ///< keeps all sites symmetric; null: they need not be
 
   [[nodiscard]] const Domain& domain() const { return *terms[0].domain; }
   [[nodiscard]] double total_weight() const;
@@ -126,8 +126,8 @@ void shrink_radii(Objective& objective, Evaluation& state);
 /// Standard deviation / mean of the capacities: the rest is lambda times its square.
 [[nodiscard]] double capacity_variation(const Objective& objective, const Evaluation& state);
 
-/// Add gamma sum m_k |x_k - anchor_k|^2 with the present m_k, and add up again.
-void stick(Objective& objective, Evaluation& state, Vectors anchors, double gamma);
+/// Tie the sites to anchors, with the present masses and neighbors, and add up again.
+void anchor(Objective& objective, Evaluation& state, Vectors anchors, const Hold& hold);
 
 /// If a disc needs more area than a cell of the union has, raise its target capacity and distribute
 /// the rest among the others; add up again. Otherwise the cells around large discs would be crushed

@@ -78,6 +78,24 @@ Eigen::MatrixXd dense(const Objective& objective, const Evaluation& state) {
   return result;
 }
 
+/// What anchors add to it.
+Eigen::MatrixXd dense(const Hold& hold, double scale, const RestrictedVoronoi& diagram) {
+  const auto size = static_cast<Eigen::Index>(3 * diagram.cells.size());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
+  const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(3 * k); };
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
+    const double own = diagram.cells[i].mass;
+    result.diagonal().segment<3>(at(i)).array() += 2.0 * scale * hold.stickiness * own;
+    for (const CellBoundary& side : diagram.boundary(i)) {
+      const auto j = static_cast<std::size_t>(side.neighbor);
+      const double pair = scale * hold.smoothing * (own + diagram.cells[j].mass);
+      result.diagonal().segment<3>(at(i)).array() += pair;
+      result.block<3, 3>(at(i), at(j)).diagonal().array() -= pair;
+    }
+  }
+  return result;
+}
+
 Eigen::VectorXd flat(const Vectors& v) {
   Eigen::VectorXd result(static_cast<Eigen::Index>(3 * v.size()));
   for (std::size_t k = 0; k < v.size(); ++k)
@@ -96,6 +114,21 @@ TEST(GaussNewton, SolvesItsDefinition) {
   ASSERT_FALSE(f.state.parts[0].repulsion.pairs.empty());
   const Vectors x = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
   Vectors found = stacked(dense(f.objective, f.state) * flat(x));
+  f.objective.restrict(found, f.state.normals);
+  const Eigen::VectorXd wanted = flat(f.state.gradient);
+  EXPECT_LT((flat(found) - wanted).norm(), 0.03 * wanted.norm());
+}
+
+TEST(GaussNewton, SolvesItsDefinitionWithAnchors) {
+  Fixture f;
+  const Hold hold{.stickiness = 0.8, .smoothing = 2.0};
+  Vectors anchors = f.state.sites.positions;
+  for (std::size_t k = 0; k < anchors.size(); ++k) anchors[k].x() += 0.01 * double(k % 5);
+  anchor(f.objective, f.state, anchors, hold);
+  const Vectors x = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
+  const Eigen::MatrixXd model =
+      dense(f.objective, f.state) + dense(hold, f.objective.scale(0, 100), f.state.diagram());
+  Vectors found = stacked(model * flat(x));
   f.objective.restrict(found, f.state.normals);
   const Eigen::VectorXd wanted = flat(f.state.gradient);
   EXPECT_LT((flat(found) - wanted).norm(), 0.03 * wanted.norm());

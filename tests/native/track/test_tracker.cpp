@@ -428,6 +428,45 @@ TEST(Tracker, StickinessTradesSlideForEvenness) {
   }
 }
 
+struct Calmness {
+  double jerk = 0.0;       // mean change of the slide from frame to frame, in spacings
+  double variation = 0.0;  // of the capacities, mean
+};
+
+/// On a body that is stretched.
+Calmness calmness(double smoothing) {
+  const Shape shape = blob(4);
+  TrackerOptions options;
+  options.optimizer.slide_smoothing = smoothing;
+  Tracker tracker = tracker_of(shape, kCount, options);
+  std::vector<Vec3> last(kCount, Vec3::Zero());
+  Calmness found;
+  constexpr int kFrames = 20;
+  for (int frame = 1; frame <= kFrames; ++frame) {
+    const Samples before = tracker.samples();
+    const std::vector<Vec3> vertices = pull(shape, frame, 60);
+    const Samples& now = tracker.advance(vertices);
+    for (std::size_t k = 0; k < kCount; ++k) {
+      const Vec3 slide =
+          now.positions[k] - tracker.surface().point(before.faces[k], before.barycentric[k]);
+      if (frame > 1) found.jerk += (slide - last[k]).norm();
+      last[k] = slide;
+    }
+    found.variation += now.report.evenness.capacity_variation / kFrames;
+  }
+  found.jerk /= tracker.surface().spacing(kCount) * kCount * (kFrames - 1);
+  return found;
+}
+
+TEST(Tracker, SlideSmoothingIsCalmerAndAsEven) {
+  const Calmness with = calmness(0.15);
+  const Calmness without = calmness(0.0);
+  std::cout << "jerk " << with.jerk << " and without " << without.jerk << ", variation "
+            << with.variation << " and " << without.variation << '\n';
+  EXPECT_LT(with.jerk, 0.95 * without.jerk);
+  EXPECT_LT(with.variation, 1.25 * without.variation);
+}
+
 TEST(Tracker, GoesOnFromAStoredFrameWithTheSameBytes) {
   const Shape shape = body();
   const Surface surface = shape.surface();
