@@ -134,6 +134,17 @@ def world_vertices(surface):
     return local.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
+def shown(obj):
+    """Vertices and triangles in world space, as they are shown now."""
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    mesh.calc_loop_triangles()
+    faces = np.array([triangle.vertices[:] for triangle in mesh.loop_triangles])
+    places = np.array([(evaluated.matrix_world @ vertex.co)[:] for vertex in mesh.vertices])
+    evaluated.to_mesh_clear()
+    return places, faces
+
+
 def size(vertices):
     """Diagonal of the bounding box."""
     return float(np.linalg.norm(np.ptp(vertices, axis=0)))

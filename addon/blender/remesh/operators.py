@@ -23,7 +23,13 @@ from .reading import read_old
 from .writing import replace_mesh, write_new
 
 _MOST = 10_000_000
-_MOST_FRAMES = 1_048_574  # as of a scene
+_FRAME = {  # of the scene
+    "min": -1_048_574,
+    "max": 1_048_574,
+    "soft_min": 0,
+    "soft_max": 10_000,
+    "subtype": "TIME",
+}
 
 
 class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
@@ -87,21 +93,13 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         name="Start",
         description="First frame of the shape keys, whose mesh is remeshed",
         default=1,
-        min=-_MOST_FRAMES,
-        max=_MOST_FRAMES,
-        soft_min=0,
-        soft_max=10_000,
-        subtype="TIME",
+        **_FRAME,
     )
     frame_end: bpy.props.IntProperty(
         name="End",
         description="Last frame of the shape keys",
         default=250,
-        min=-_MOST_FRAMES,
-        max=_MOST_FRAMES,
-        soft_min=0,
-        soft_max=10_000,
-        subtype="TIME",
+        **_FRAME,
     )
 
     @classmethod
@@ -177,7 +175,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
 
 
 def _messages(name: str, new: NewMesh) -> Messages:
-    """What the artist is told about a new mesh."""
+    """The messages about a new mesh."""
     report = new.report
     text = translated_report(
         "'{name}': {vertices:,} vertices, {faces:,} triangles, angles from {angle:.0f} degrees",

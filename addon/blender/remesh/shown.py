@@ -21,6 +21,7 @@ from ..base.mesh_arrays import (
 )
 from ..base.object_handles import ObjectHandle
 from ..base.times import show_time
+from ..surface.mesh import evaluated_mesh
 from .reading import lines_of
 
 
@@ -41,19 +42,10 @@ class Shown:
 
 
 @contextmanager
-def shown_mesh(obj: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
-    """The object's mesh with its modifiers, as it is shown now."""
-    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-    try:
-        yield mesh
-    finally:
-        evaluated.to_mesh_clear()
-
-
-@contextmanager
 def shown_copy(obj: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
-    """The same as a mesh of the file with all attributes, without shape keys."""
+    """The object's mesh with its modifiers as a mesh of the file, with all attributes and without
+    shape keys.
+    """
     graph = bpy.context.evaluated_depsgraph_get()
     evaluated = obj.evaluated_get(graph)
     mesh = bpy.data.meshes.new_from_object(
@@ -69,7 +61,7 @@ def read_first(handle: ObjectHandle, frame: int) -> tuple[OldMesh, Shown]:
     """What is remeshed: the object as it is shown on a frame."""
     show_time(bpy.context.scene, frame)
     obj = handle.get()
-    with shown_mesh(obj) as mesh:
+    with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
         shown = _shown(obj, mesh)
         faces = shown.corners[triangle_corners(mesh)] if len(mesh.polygons) else _NO_FACES
         return OldMesh(obj.name, shown.vertices, faces, lines_of(mesh)), shown
@@ -79,7 +71,7 @@ def read_next(handle: ObjectHandle, frame: int, first: Shown, first_frame: int) 
     """The object on another frame; ScatterError if it has other faces."""
     show_time(bpy.context.scene, frame)
     obj = handle.get()
-    with shown_mesh(obj) as mesh:
+    with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
         shown = _shown(obj, mesh)
     if not shown.has_faces_of(first):
         raise ScatterError(

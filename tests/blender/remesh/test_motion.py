@@ -11,22 +11,11 @@ import scenes
 BAKE = {"animation": "SHAPE_KEYS", "count": 300}
 
 
-def shown(obj):
-    """Vertices and triangles in world space, as they are shown now."""
-    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-    mesh.calc_loop_triangles()
-    faces = np.array([triangle.vertices[:] for triangle in mesh.loop_triangles])
-    places = np.array([(evaluated.matrix_world @ vertex.co)[:] for vertex in mesh.vertices])
-    evaluated.to_mesh_clear()
-    return places, faces
-
-
 def frames_of(obj, frames):
     found = {}
     for frame in frames:
         bpy.context.scene.frame_set(frame)
-        found[frame] = shown(obj)
+        found[frame] = scenes.shown(obj)
     bpy.context.scene.frame_set(1)
     return found
 
@@ -74,11 +63,11 @@ def test_between_frames_keys_are_mixed_linearly():
     whole = frames_of(obj, range(1, 5))
     bpy.context.scene.frame_set(2, subframe=0.25)
     middle = 0.75 * whole[2][0] + 0.25 * whole[3][0]
-    np.testing.assert_allclose(shown(obj)[0], middle, atol=1e-4)
+    np.testing.assert_allclose(scenes.shown(obj)[0], middle, atol=1e-4)
     bpy.context.scene.frame_set(40)
-    np.testing.assert_allclose(shown(obj)[0], whole[4][0], atol=1e-5)
+    np.testing.assert_allclose(scenes.shown(obj)[0], whole[4][0], atol=1e-5)
     bpy.context.scene.frame_set(-3)
-    np.testing.assert_allclose(shown(obj)[0], whole[1][0], atol=1e-5)
+    np.testing.assert_allclose(scenes.shown(obj)[0], whole[1][0], atol=1e-5)
 
 
 def test_groups_materials_and_hidden_modifiers_stay():

@@ -30,17 +30,6 @@ def textured_tail():
     return obj
 
 
-def shown(obj):
-    """Vertices and triangles in world space, as they are shown now."""
-    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-    mesh.calc_loop_triangles()
-    faces = np.array([triangle.vertices[:] for triangle in mesh.loop_triangles])
-    places = np.array([(evaluated.matrix_world @ vertex.co)[:] for vertex in mesh.vertices])
-    evaluated.to_mesh_clear()
-    return places, faces
-
-
 def farthest(first, second):
     """Distance of the vertices and middles of one mesh from another."""
     points = np.concatenate([first[0], first[0][first[1]].mean(axis=1)])
@@ -57,13 +46,13 @@ def test_its_surface_and_texture_stay_in_place_through_the_action(share, max_dis
     new.data = old.data.copy()
     bpy.context.scene.collection.objects.link(new)
     scenes.activate(new)
-    triangles = len(shown(old)[1])
+    triangles = len(scenes.shown(old)[1])
     given = {"count": round(share * triangles / 2), "max_distance": max_distance}
     assert bpy.ops.dapple.remesh(**given) == {"FINISHED"}
     assert len(new.data.polygons) == pytest.approx(share * triangles, rel=0.2)
     for frame in FRAMES:
         bpy.context.scene.frame_set(frame)
-        before, after = shown(old), shown(new)
+        before, after = scenes.shown(old), scenes.shown(new)
         height = np.ptp(before[0], axis=0).max()
         assert farthest(after, before) < LIMIT * height
         assert farthest(before, after) < LIMIT * height
