@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/segment.hpp"
 #include "base/sets.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -12,13 +13,6 @@ namespace {
 
 constexpr double kNothing = 1e-8;  // of a border: shorter edges are rounding
 constexpr double kOnSite = 1e-6;   // of a line's distance from a site: the site is on it
-
-/// The share of the segment from a to b at which it is nearest to p.
-double nearest_share(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 along = b - a;
-  const double squared = along.squaredNorm();
-  return squared > 0.0 ? std::clamp((p - a).dot(along) / squared, 0.0, 1.0) : 0.0;
-}
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/segment.hpp"
 #include "base/triangle.hpp"
 #include "lines/line_sites.hpp"
 #include "surface/ordered_surface.hpp"
@@ -22,9 +23,8 @@ Sites site_at(const Surface& surface, const Place& place) {
   const auto& [a, b, c] = mesh.corners(mesh.ordered_face(place.face));
   if (const std::int32_t h = place.half_edge; h >= 0) {
     const std::array<Vec3, 3> p = {mesh.vertex(a), mesh.vertex(b), mesh.vertex(c)};
-    const Vec3 from = p[as_index(h % 3)], along = p[as_index((h + 1) % 3)] - from;
-    const double t = (place.position - from).dot(along) / along.squaredNorm();
-    return point_on_edge(mesh, h, std::clamp(t, 0.0, 1.0));
+    const Vec3 &from = p[as_index(h % 3)], &to = p[as_index((h + 1) % 3)];
+    return point_on_edge(mesh, h, nearest_share(place.position, from, to));
   }
   const Vec3 weights =
       closest_barycentric(place.position, mesh.vertex(a), mesh.vertex(b), mesh.vertex(c));
