@@ -16,25 +16,25 @@ from dapple3d import stippling
 from dapple3d.cli import points
 from dapple3d.extras import gltf, usd
 from dapple3d.writing import replacing
+from full_disk import full_after, limit_files
 from PIL import Image
 
-try:
-    import resource
-except ModuleNotFoundError:
-    resource = None
-
-posix = pytest.mark.skipif(not resource, reason="Windows limits no file and has other pipes, links")
+posix = pytest.mark.skipif(
+    not find_spec("resource"), reason="Windows limits no file and has other pipes, links"
+)
 SMALL = 300  # largest file on the "full disk", in bytes
 
 
 def on_a_full_disk(*arguments: object) -> subprocess.CompletedProcess[str]:
-    """Run `dapple` where no file can grow beyond SMALL bytes."""
-
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (SMALL, SMALL))
-
-    call = [sys.executable, "-m", "dapple3d", *map(str, arguments)]
-    return subprocess.run(call, capture_output=True, text=True, preexec_fn=limit, check=False)
+    """Run `dapple` where no file can grow beyond SMALL bytes, nor one of bytecode."""
+    call = [sys.executable, "-B", "-m", "dapple3d", *map(str, arguments)]
+    return subprocess.run(
+        call,
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: limit_files(SMALL),
+        check=False,
+    )
 
 
 @pytest.fixture
@@ -94,13 +94,8 @@ def test_a_picture_of_dots_leaves_what_was_there(tmp_path):
     dots = stippling.stipple(np.full((20, 20), 0.5), 100)
     out = tmp_path / "dots.svg"
     out.write_text("before")
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (SMALL, limits[1]))
-    try:
-        with pytest.raises(OSError, match="File too large") as error:
-            stippling.write(dots, out)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    with pytest.raises(OSError, match="File too large") as error, full_after(SMALL):
+        stippling.write(dots, out)
     assert error.value.filename == str(out)
     assert out.read_text() == "before"
     assert folder_of(out) == ["dots.svg"]

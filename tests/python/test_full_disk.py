@@ -2,8 +2,7 @@
 """Every writer on a disk that is full at any byte: the error names the file, the old one stays."""
 
 import shutil
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -19,24 +18,14 @@ from dapple3d.extras import gltf, usd
 from dapple3d.extras.distributed import Tiles, open_surface, sample_tiles
 from dapple3d.extras.distributed.shots import motion_arrays
 from dapple3d.writing import replacing, write_npz
+from full_disk import full_after
 from test_tiles import TILE, contents, hills
 
-resource = pytest.importorskip("resource", reason="Windows limits no file")
+pytest.importorskip("resource", reason="Windows limits no file")
 
 MOST = 150  # sizes of the disk, evenly spread over a large file
 SLOW = {"spectrum.png": 2}
 Write = Callable[[Path], object]
-
-
-@contextmanager
-def full_after(size: int) -> Iterator[None]:
-    """No file of this process may grow beyond so many bytes."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 @pytest.fixture(scope="module")
