@@ -23,6 +23,7 @@ from .density import overlay
 from .display import preview
 from .export import operators as export_operators
 from .freshness import findings, unfinished_bakes
+from .hair import operators as hair_operators
 from .hand_points import operators as hand_points_operators
 from .hand_points import tool
 from .object_types import operators as object_types_operators
@@ -39,6 +40,7 @@ _WITH_CLASSES: tuple[Any, ...] = (
         add_operators,
         operators,
         tiles_operators,
+        hair_operators,
         remesh_operators,
         bake_operators,
         subdivision,
@@ -110,7 +112,8 @@ def steps() -> list[Step]:
     """The steps of enabling the add-on, each with its reverse."""
     first: Any = (translation, properties)
     listening = [module.SUBSCRIBER for module in _LISTENING]
-    last: Any = (figure_images, keymaps, tool, export_operators, remesh_operators, entry)
+    menus: Any = (export_operators, remesh_operators, hair_operators)
+    last: Any = (figure_images, keymaps, tool, *menus, entry)
     return [
         *((one.register, one.unregister) for one in (*first, handlers)),
         (_follow_settings, updates.followers.clear),

@@ -13,6 +13,7 @@ from .base.sidebars import lines_of
 from .base.translation import translated
 from .density.panel import DAPPLE_MT_materials, DAPPLE_PT_density, draw_painting
 from .display.panel import DAPPLE_PT_display
+from .hair.panel import DAPPLE_PT_hair
 from .hand_points.panel import DAPPLE_PT_placement, draw_editing
 from .object_types.panel import DAPPLE_PT_instances, DAPPLE_UL_object_types
 from .presets.operators import draw_presets
@@ -38,6 +39,7 @@ SUB_PANELS = (  # in the order in which the sidebar shows them
     DAPPLE_PT_display,
     DAPPLE_PT_animation,
     DAPPLE_PT_tiles,
+    DAPPLE_PT_hair,
     DAPPLE_PT_advanced,
 )
 

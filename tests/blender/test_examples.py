@@ -31,6 +31,7 @@ COUNTS = {
     "colored": 80,
     "seen": 80,
     "remeshed": 800,
+    "hair": 60,
     "scales": 120,
 }
 LARGEST = 2**20  # bytes of a .blend

@@ -133,7 +133,7 @@ def test_what_is_instanced_comes_before_the_solver():
     kinds = addon_host.part("blender.main_panel").SUB_PANELS
     titles = [kind.bl_label for kind in kinds if hasattr(kind, "bl_parent_id")]
     assert titles[:4] == ["Instances", "Amount", "Density", "Placement"]
-    assert titles[-3:] == ["Animation", "Tiles", "Advanced"]
+    assert titles[-4:] == ["Animation", "Tiles", "Hair", "Advanced"]
     shown = drawn()
     assert shown.index("instance") < shown.index("count") < shown.index("capacity_weight")
 

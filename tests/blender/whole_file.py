@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 
 _LISTS = ("objects", "meshes", "node_groups", "collections", "materials", "scenes", "images")
+_LISTS += ("hair_curves",)
 _FIELDS = {
     "FLOAT": ("value", np.float32, 1),
     "INT": ("value", np.int32, 1),

@@ -20,7 +20,7 @@ from .quiet import quiet
 
 _LISTS = (
     *("objects", "meshes", "node_groups", "materials", "collections", "images", "scenes"),
-    *("cameras", "lights", "actions", "armatures", "curves", "texts", "brushes"),
+    *("cameras", "lights", "actions", "armatures", "curves", "hair_curves", "texts", "brushes"),
 )
 # Properties of an object that follow from others, or that nothing here changes.
 _LEFT = {"matrix_world", "matrix_local", "matrix_basis", "dimensions", "name", "asset_data", "tag"}

@@ -211,6 +211,7 @@ CASES = [
     ("reattach", {}, at_rest, "blender.display.preview.restart"),
     ("make_tiles", {}, scattered, "blender.tiles.operators.write_tiles"),
     ("make_tiles", {}, tiled, "blender.tiles.operators.write_tiles"),
+    ("add_hair_guides", {}, scattered, "blender.hair.guides.write_curves"),
     ("remesh", {"count": 60}, scenes.sphere, "blender.remesh.operators.write_new"),
     ("remesh", TO_KEYS, scenes.tail, "blender.remesh.motion._write_keys"),
     ("edit_points", {}, scattered, f"{HAND}.operators.begin_editing"),

@@ -11,7 +11,7 @@ import pytest
 WORDS = 3  # fewest words of a sentence
 WIDEST = 1e6  # largest range that is useful for dragging
 PLAIN = {  # numbers without a unit: counts, factors, indices
-    *("count", "points_per_area", "max_evaluations", "evaluations", "noise_detail"),
+    *("count", "points", "points_per_area", "max_evaluations", "evaluations", "noise_detail"),
     *("capacity_weight", "repulsion_weight", "stickiness", "tolerance", "weight", "weight"),
     *("scale", "scale_x", "scale_y", "scale_z"),
     *("seed", "noise_seed", "id", "object_type", "object_type_index", "index"),
