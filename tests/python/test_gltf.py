@@ -123,6 +123,12 @@ def test_classes_without_points_have_no_node(tmp_path, whole):
     assert sorted(set(gltf.read(tmp_path / "points.gltf").classes)) == [0, 2]
 
 
+@pytest.mark.parametrize("scales", [None, np.empty((0, 3))])
+def test_no_points_are_a_scene_without_meshes(tmp_path, scales):
+    gltf.write(tmp_path / "points.gltf", Instances(np.empty((0, 3)), scales=scales))
+    assert tree_of(tmp_path / "points.gltf")["nodes"] == [{"name": "points"}]
+
+
 def test_balls_are_round_and_face_outwards(tmp_path):
     ball = gltf._ball(2.0)
     a, b, c = ball.vertices[ball.faces].swapaxes(0, 1)
@@ -168,7 +174,7 @@ def corners_of(path: Path) -> np.ndarray:
             place, turn, scale = (
                 document.array(attributes[name]) for name in ("TRANSLATION", "ROTATION", "SCALE")
             )
-            axes = gltf._matrices(np.roll(turn, 1, axis=1)) * scale[:, None]
+            axes = gltf.rotation_matrices(np.roll(turn, 1, axis=1)) * scale[:, None]
             found.append(np.einsum("nij,kj->nki", axes, corners) + place[:, None])
     return np.concatenate(found)
 
@@ -179,7 +185,7 @@ def test_prototypes_of_other_files_stand_in_their_place(tmp_path, plants):
     gltf.write(tmp_path / "points.glb", found, up="Y", prototypes=[Reference(plants)])
     leaf = np.array([[1, 2, 3], [1, 2, 2], [3, 2, 3]])  # x became -z, z became x
     pot = 2 * TRIANGLE.vertices + [5, 6, 7]
-    axes = 3 * gltf._matrices(turn)
+    axes = 3 * gltf.rotation_matrices(turn)
     expected = [
         [axes[k] @ corner + found.positions[k] for corner in part]
         for part in (leaf, pot)

@@ -170,10 +170,7 @@ def write_scatters(
     target = Path(path)
     if target.suffix.lower() not in SUFFIXES:
         raise ValueError(f"{target}: a glTF file ends with {', '.join(SUFFIXES)}")
-    if up not in ("Y", "Z"):
-        raise ValueError(f"up is {up!r}: Y or Z is needed")
-    if not (np.isfinite(meters_per_unit) and meters_per_unit > 0):
-        raise ValueError(f"meters_per_unit is {meters_per_unit}: a number > 0 is needed")
+    check_space(up, meters_per_unit)
     document = Document({"asset": {"version": "2.0", "generator": "Dapple"}})
     roots = [_add_scatter(document, one, up, meters_per_unit, target) for one in scatters]
     document.tree |= {"scene": 0, "scenes": [{"nodes": roots}]}
@@ -181,6 +178,14 @@ def write_scatters(
     document.tree |= {"extensionsUsed": sorted(used), "extensionsRequired": [EXTENSION]}
     with replacing(target) as file:
         file.write(_encoded(document, target.suffix.lower()))
+
+
+def check_space(up: str, meters_per_unit: float) -> None:
+    """Raise ValueError unless the space of points is described."""
+    if up not in ("Y", "Z"):
+        raise ValueError(f"up is {up!r}: Y or Z is needed")
+    if not (np.isfinite(meters_per_unit) and meters_per_unit > 0):
+        raise ValueError(f"meters_per_unit is {meters_per_unit}: a number > 0 is needed")
 
 
 def _encoded(document: Document, suffix: str) -> bytes:
@@ -205,7 +210,7 @@ def _add_scatter(
         raise ValueError(f"{scatter.name} has {len(scatter.frames)} frames: glTF holds one")
     (found,) = scatter.frames
     _check_ids(found)
-    moved = _standing(found, up, meters_per_unit)
+    moved = standing(found, up, meters_per_unit)
     children = []
     ball = None if scatter.prototypes else _ball(scatter.radius)
     for k in scatter.used.tolist() if len(found) else ():
@@ -249,7 +254,7 @@ class _Placed:
         if np.array_equal(matrix, np.eye(4)):
             return self
         here = np.tile(np.eye(4), (len(self.positions), 1, 1))
-        here[:, :3, :3] = _matrices(self.rotations) * self.scales[:, None, :]
+        here[:, :3, :3] = rotation_matrices(self.rotations) * self.scales[:, None, :]
         here[:, :3, 3] = self.positions
         found, skewed = of_matrices(here @ matrix)
         if skewed.any():
@@ -270,7 +275,7 @@ class _Placed:
         }
         if self.ids is not None:
             arrays["_ID"] = self.ids
-        return {name: document.add_array(_single(name, values)) for name, values in arrays.items()}
+        return {name: document.add_array(single(name, values)) for name, values in arrays.items()}
 
 
 def _check_ids(found: Instances) -> None:
@@ -283,32 +288,32 @@ def _check_ids(found: Instances) -> None:
         raise ValueError(f"ids[{k}] is {found.ids[k]}: glTF holds whole numbers up to {LARGEST_ID}")
 
 
-def _single(name: str, values: NDArray) -> NDArray[np.float32]:
+def single(name: str, values: NDArray) -> NDArray[np.float32]:
     with np.errstate(over="ignore"):
-        single = np.ascontiguousarray(values, "<f4")
-    wrong = ~np.isfinite(single.reshape(len(single), -1)).all(axis=1)
+        found = np.ascontiguousarray(values, "<f4")
+    wrong = ~np.isfinite(found).all(axis=tuple(range(1, found.ndim)))
     if wrong.any():
         k = int(wrong.argmax())
         raise ValueError(f"{name}[{k}] is no 32-bit float: {values[k].tolist()}")
-    return single
+    return found
 
 
-def _standing(found: Instances, up: Up, factor: float) -> Instances:
+def standing(found: Instances, up: Up, factor: float) -> Instances:
     """In meters, y up."""
     positions, turns, scales = found.positions * factor, found.orientations, found.scales
     for name, values in (("positions", positions), ("scales", scales)):
         if values is not None:
-            _single(name, values)
+            single(name, values)
     if up == "Z":
-        positions = _with_y_up(positions)
+        positions = with_y_up(positions)
         if turns is not None:
-            turns = np.column_stack([turns[:, 0], _with_y_up(turns[:, 1:])])
+            turns = np.column_stack([turns[:, 0], with_y_up(turns[:, 1:])])
         if scales is not None:
             scales = scales[:, [0, 2, 1]]
     return Instances(positions, turns, scales, ids=found.ids)
 
 
-def _with_y_up(vectors: NDArray) -> NDArray:
+def with_y_up(vectors: NDArray) -> NDArray:
     return vectors[:, [0, 2, 1]] * [1.0, 1.0, -1.0]
 
 
@@ -316,7 +321,7 @@ def with_z_up(vectors: NDArray) -> NDArray:
     return vectors[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
 
 
-def _matrices(turns: NDArray) -> NDArray:
+def rotation_matrices(turns: NDArray) -> NDArray:
     """Rotation matrices (n, 3, 3) of quaternions: v + 2 w (u x v) + 2 u x (u x v)."""
     cross = np.zeros((len(turns), 3, 3))
     x, y, z = turns[:, 1:].T
@@ -328,9 +333,9 @@ def _matrices(turns: NDArray) -> NDArray:
 def _add_mesh(document: Document, mesh: Mesh, up: Up, factor: float) -> int:
     vertices = mesh.vertices * factor
     if up == "Z":
-        vertices = _with_y_up(vertices)
+        vertices = with_y_up(vertices)
     faces = np.ascontiguousarray(mesh.faces, "<u4").ravel()
-    places = document.add_array(_single("vertices", vertices), target=34962, bounds=True)
+    places = document.add_array(single("vertices", vertices), target=34962, bounds=True)
     corners = document.add_array(faces, target=34963)
     primitive = {"attributes": {"POSITION": places}, "indices": corners}
     return document.add("meshes", {"primitives": [primitive]})
@@ -469,7 +474,7 @@ def matrix_of(node: dict[str, Any]) -> NDArray[np.float64]:
         return np.array(node["matrix"], np.float64).reshape(4, 4).T
     matrix = np.eye(4)
     turn = np.roll(np.array([node.get("rotation", (0, 0, 0, 1))], np.float64), 1, axis=1)
-    matrix[:3, :3] = _matrices(turn)[0] * np.array(node.get("scale", (1, 1, 1)))
+    matrix[:3, :3] = rotation_matrices(turn)[0] * np.array(node.get("scale", (1, 1, 1)))
     matrix[:3, 3] = node.get("translation", (0, 0, 0))
     return matrix
 
@@ -514,7 +519,7 @@ def instance_matrices(document: Document, node: dict[str, Any]) -> NDArray[np.fl
     """Matrices (n, 4, 4) of the instances of a node."""
     found = _read_node(document, node, 0)
     matrices = np.tile(np.eye(4), (len(found["positions"]), 1, 1))
-    matrices[:, :3, :3] = _matrices(found["orientations"]) * found["scales"][:, None, :]
+    matrices[:, :3, :3] = rotation_matrices(found["orientations"]) * found["scales"][:, None, :]
     matrices[:, :3, 3] = found["positions"]
     return matrices
 
