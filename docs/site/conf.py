@@ -7,7 +7,7 @@ from typing import Any
 
 import dapple3d
 from dapple3d import density, instances, plot, stippling, tables, texturing, writing
-from dapple3d.extras import gltf, usd
+from dapple3d.extras import gltf, godot, usd
 from sphinx.pycode import ModuleAnalyzer
 
 from docs.site import docstrings, typed_api
@@ -45,7 +45,9 @@ parts = [
         "arrays", "ranges", "orientation", "nearest", "noise", "normals", "fields", "masked",
     )
 ]  # fmt: skip
-for module in (*parts, density, gltf, instances, plot, stippling, tables, texturing, usd, writing):
+for module in (
+    *parts, density, gltf, godot, instances, plot, stippling, tables, texturing, usd, writing,
+):  # fmt: skip
     typed_api.defer(module)
 vars(dapple3d).update(Dots=stippling.Dots, stipple=stippling.stipple)
 package = Path(dapple3d.__file__).parent

@@ -53,7 +53,9 @@ def test_the_script_for_exports_runs(tmp_path):
     trees = scenes.scattered(scenes.sphere(), count=20)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "trees.blend"))
     scenes.activate(trees)
-    (script,) = re.findall(r"```python\n(.*?)```", (DOCS / "export.md").read_text(), re.DOTALL)
+    script, _for_unreal = re.findall(
+        r"```python\n(.*?)```", (DOCS / "export.md").read_text(), re.DOTALL
+    )
     suffix = ".usdc" if bpy.app.build_options.usd else ".csv"
     exec(script.replace(".usdc", suffix), {"bpy": bpy})
     assert (tmp_path / f"trees{suffix}").stat().st_size > 1000

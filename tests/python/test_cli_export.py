@@ -11,7 +11,7 @@ import shapes
 from command_line import done, refused, run
 from dapple3d import instances
 from dapple3d.cli import points
-from dapple3d.extras import gltf, usd
+from dapple3d.extras import gltf, godot, usd
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
 
@@ -121,6 +121,33 @@ def test_sample_writes_gltf_itself(tmp_path, torus, surface, suffix):
     expected = dapple.sample(surface, 50).positions.astype(np.float32)
     np.testing.assert_array_equal(gltf.read(out).positions, expected)
     assert "points                   50" in done("analyze", out, "--mesh", torus).stdout
+
+
+def test_scenes_of_godot_have_meshes_beside_them(tmp_path, torus, still):
+    out, rock = tmp_path / "a.tscn", tmp_path / "rock.tres"
+    rock.touch()
+    done("sample", torus, tmp_path / "b.tscn", "-n", 9)
+    assert "instance_count = 9" in (tmp_path / "b.tscn").read_text()
+    done("export", still, out, "--prototype", torus)
+    assert 'path="a_meshes/points_0.obj"' in out.read_text()
+    assert len(dapple.read_mesh(tmp_path / "a_meshes" / "points_0.obj").faces) > 0
+    done("export", still, out, "--prototype", rock)
+    assert 'path="rock.tres"' in out.read_text()
+    done("export", still, out, "--prototype", "res://rocks/rock.obj")
+    assert 'path="res://rocks/rock.obj"' in out.read_text()
+    said = refused("export", still, out, "--prototype", "res://rocks/rock.glb")
+    assert "Godot loads meshes from .obj, .res, .tres, .mesh" in said
+    said = refused("export", still, tmp_path / "a.glb", "--prototype", "res://rocks/rock.obj")
+    assert "cannot stand in .glb, another format" in said
+    assert "points are read from" in refused("export", out, tmp_path / "back.csv")
+    assert godot.SUFFIXES == (".tscn",)
+
+
+def test_scenes_of_godot_hold_a_frame(tmp_path, tracked):
+    out = tmp_path / "walk.tscn"
+    assert f"{tracked} has 3 frames, of which --frame takes one" in refused("export", tracked, out)
+    done("export", tracked, out, "--frame", 2)
+    assert "instance_count = 40" in out.read_text()
 
 
 def test_prototypes_are_of_the_format_of_the_output(tmp_path, torus, still):

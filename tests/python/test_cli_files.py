@@ -14,7 +14,7 @@ import pytest
 from command_line import done, refused, run
 from dapple3d import stippling
 from dapple3d.cli import points
-from dapple3d.extras import gltf, usd
+from dapple3d.extras import gltf, godot, usd
 from dapple3d.writing import replacing
 from full_disk import full_after, limit_files
 from PIL import Image
@@ -62,7 +62,7 @@ OUTPUTS = [
     *(("stipple", suffix) for suffix in (".png", ".svg", ".pdf")),
     ("track", ".npz"),
     *(("sample", suffix) for suffix in usd.SUFFIXES if find_spec("pxr")),
-    *(("sample", suffix) for suffix in gltf.SUFFIXES),
+    *(("sample", suffix) for suffix in (*gltf.SUFFIXES, *godot.SUFFIXES)),
     ("json", ".json"),
 ]
 

@@ -1,19 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every example of the documentation is run: by the tests here, or by those that are named here."""
 
+import csv
 import doctest
 import importlib
 import math
 import pkgutil
 import re
 import shlex
+import sys
 from pathlib import Path
+from unittest.mock import MagicMock, patch
 
 import dapple3d as dapple
 import numpy as np
 import pytest
 import shapes
 from command_line import run
+from dapple3d import instances, tables
+from dapple3d.extras import gltf
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -32,7 +37,12 @@ RUN = {
     },
     "docs/add-on.md": {"python": (2, "tests/blender/test_docs.py")},
     "docs/command-line.md": {"console": (3, "here")},
-    "docs/export.md": {"sh": (1, "here"), "python": (1, "tests/blender/test_docs.py")},
+    "docs/export.md": {
+        "sh": (1, "here"),
+        "python": (2, "tests/blender/test_docs.py, and here without Unreal"),
+        "html": (1, "by hand, with Three.js 168 in Chromium"),
+        "csharp": (1, "here its places and turns, without Unity"),
+    },
     "docs/development/options.md": {"cpp": (1, "a part of a header")},
     "docs/cpp.md": {
         "sh": (1, "tests/consumer"),
@@ -213,6 +223,56 @@ def test_the_export_page_runs(files):
     for command in code("docs/export.md", "sh").splitlines():
         assert run(*shlex.split(command)[1:]).exit_code == 0, command
     assert Path("frame_3.csv").is_file()
+
+
+@pytest.fixture
+def plants(here) -> instances.Instances:
+    """Points with the table of them that game engines read."""
+    random = np.random.default_rng(1)
+    found = instances.Instances(
+        random.normal(size=(20, 3)),
+        instances.orientations(random.normal(size=(20, 3)), random.normal(size=(20, 3))),
+        random.uniform(1, 2, (20, 3)),
+        classes=np.arange(20) % 2,
+    )
+    tables.write("plants_table.csv", [found])
+    return found
+
+
+def check_mirrored(found: list, expected: instances.Instances, axes: np.ndarray) -> None:
+    """Compare places and turns x, y, z, w in a space with other axes; a reflection."""
+    assert np.linalg.det(axes) < 0
+    places, turns = (np.array(values) for values in zip(*found, strict=True))
+    np.testing.assert_allclose(places, expected.positions @ axes.T, atol=1e-9)
+    unit = axes / np.abs(axes).max()
+    turned = gltf.rotation_matrices(np.roll(turns, 1, axis=1))
+    wanted = unit @ gltf.rotation_matrices(expected.orientations) @ unit.T
+    np.testing.assert_allclose(turned, wanted, atol=1e-9)
+
+
+def test_the_script_for_unreal_places_mirrored_instances(here, plants):
+    unreal, placed = MagicMock(), []
+    unreal.Vector = unreal.Quat = lambda *numbers: MagicMock(
+        numbers=numbers, rotator=lambda: numbers
+    )
+    spawn = unreal.get_editor_subsystem().spawn_actor_from_object
+    spawn.side_effect = lambda _mesh, place, turn: (
+        placed.append((place.numbers, turn)) or MagicMock()
+    )
+    script = code_blocks("docs/export.md")[1].replace("C:/", "")
+    with patch.dict(sys.modules, {"unreal": unreal}):
+        exec(script, {})
+    check_mirrored(placed, plants, 100.0 * np.diag([1, -1, 1]))
+
+
+def test_the_script_for_unity_places_mirrored_instances(here, plants):
+    """Its expressions are also those of Python."""
+    text = code("docs/export.md", "csharp")
+    numbers = [re.search(rf"= new {kind}(\(.*\));", text)[1] for kind in ("Vector3", "Quaternion")]
+    with Path("plants_table.csv").open() as file:
+        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+    placed = [[eval(one, {"At": row.__getitem__}) for one in numbers] for row in rows]
+    check_mirrored(placed, plants, np.array([[-1, 0, 0], [0, 0, 1], [0, -1, 0]]))
 
 
 def test_the_masks_page_runs(here):

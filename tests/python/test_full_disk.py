@@ -14,7 +14,7 @@ from dapple3d import instances, stippling, tables
 from dapple3d.cli import motions, points, polygons
 from dapple3d.cli.commands import analyze
 from dapple3d.cli.report import Reporter
-from dapple3d.extras import gltf, usd
+from dapple3d.extras import gltf, godot, usd
 from dapple3d.extras.distributed import Tiles, open_surface, sample_tiles
 from dapple3d.extras.distributed.shots import motion_arrays
 from dapple3d.writing import replacing, write_npz
@@ -64,6 +64,11 @@ def scene(surface, few):
 @writer(*gltf.SUFFIXES)
 def asset(surface, few):
     return lambda path: gltf.write(path, instances.of_samples(few))
+
+
+@writer(*godot.SUFFIXES)
+def level(surface, few):
+    return lambda path: godot.write(path, instances.of_samples(few))
 
 
 @writer(*stippling.SUFFIXES)

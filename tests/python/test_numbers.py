@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import shapes
 from dapple3d import instances, stippling, tables, texturing
-from dapple3d.extras import gltf, usd
+from dapple3d.extras import gltf, godot, usd
 from dapple3d.extras.distributed import HeightField, sample_tiles, track_shot
 
 FEW = {"max_evaluations": 2, "threads": 1}
@@ -249,6 +249,10 @@ OTHERS: dict[str, tuple[Call, dict[str, Any]]] = {
         lambda folder, **given: written(gltf, ".glb", folder, **given),
         {"meters_per_unit": 0.5},
     ),
+    "godot.write": (
+        lambda folder, **given: written(godot, ".tscn", folder, **given),
+        {"meters_per_unit": 0.5},
+    ),
     "tables.write": (
         lambda folder, **given: written(tables, ".csv", folder, **given),
         {"times": [5]},
@@ -377,9 +381,11 @@ def _parameters(node: ast.FunctionDef, name: str) -> Iterator[str]:
 
 def test_every_number_of_the_package_is_tried():
     left_out = {
-        *("gltf.write_scatters", "usd.write_scatters", "stippling.write"),  # like their siblings
+        # like their siblings
+        *("gltf.write_scatters", "usd.write_scatters", "godot.write_scatters", "stippling.write"),
         # internal functions
         *("gltf.Document.array", "gltf.Document.add_array", "instances.check_faces"),
+        *("gltf.check_space", "gltf.standing"),
     }
     found = {one for one in numbers_of_stubs() if one.partition("-")[0] not in left_out}
     assert len(found) > 100

@@ -12,7 +12,7 @@ from command_line import done, refused
 from dapple3d import instances, stippling, tables
 from dapple3d.cli import points, polygons
 from dapple3d.cli.points import Points
-from dapple3d.extras import gltf, usd
+from dapple3d.extras import gltf, godot, usd
 
 SCENES = tuple(one for one in points.SCENES if find_spec("pxr") or one not in usd.SUFFIXES)
 FORMATS = (*points.WRITERS, *SCENES)
@@ -45,6 +45,9 @@ def test_a_number_that_does_not_fit_is_refused_by_every_writer(
 def test_whole_numbers_that_are_floats_are_written_by_every_writer(tmp_path, suffix):
     path = tmp_path / f"points{suffix}"
     points.write_points(path, Points(PLACES, ids=np.array([5.0, 3.0, 4.0]), classes=np.ones(3)))
+    if suffix in godot.SUFFIXES:
+        assert "PackedInt64Array(5, 3, 4)" in path.read_text()
+        return
     found = points.read_points(path)
     if suffix not in (".obj", ".off"):
         assert sorted(found.ids.tolist()) == [3, 4, 5]
@@ -92,7 +95,7 @@ def test_a_mesh_has_a_name_as_long_as_can_be(tmp_path, suffix):
 def test_points_have_a_name_as_long_as_can_be(tmp_path, suffix):
     path = tmp_path / longest(suffix)
     points.write_points(path, Points(PLACES))
-    assert len(points.read_points(path).positions) == 3
+    assert suffix in godot.SUFFIXES or len(points.read_points(path).positions) == 3
     assert [one.name for one in tmp_path.iterdir()] == [path.name]
 
 

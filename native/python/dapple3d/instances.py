@@ -59,7 +59,7 @@ class Reference:
         prim: in it, such as "/Plants/Fern" in USD and "Fern" in glTF; empty is the default prim, or
             the whole scene.
         held: whether a USD file stores a copy of the default prim of the other file, so that it is
-            independent of that file; a glTF file always does.
+            independent of that file; a glTF file always does, a scene of Godot never.
     """
 
     path: Path

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point sets in files: PLY, CSV, npz, OBJ, OFF, USD and glTF, by the extension.
+"""Point sets in files: PLY, CSV, npz, OBJ, OFF, USD, glTF and scenes of Godot, by the extension.
 
-All digits are kept, but by USD and glTF, whose numbers have 32 bits.
+All digits are kept, but by USD, glTF and Godot, whose numbers have 32 bits.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -17,7 +17,7 @@ import dapple3d as dapple
 from dapple3d import instances
 from dapple3d.cli import ply, text
 from dapple3d.cli.files import Arrays, about, listed, load_npz
-from dapple3d.extras import gltf, usd
+from dapple3d.extras import gltf, godot, usd
 from dapple3d.tables import COLUMNS
 from dapple3d.writing import replacing, write_npz
 
@@ -118,8 +118,7 @@ def write_points(path: Path, points: Points) -> None:
         points = _fitting(points)
     if suffix in SCENES:
         with about(path):
-            module = usd if suffix in usd.SUFFIXES else gltf
-            module.write(path, *instances.along_normals([instances_of(points)]))
+            SCENES[suffix].write(path, *instances.along_normals([instances_of(points)]))
         return
     with replacing(path) as file:
         WRITERS[suffix](file, points)
@@ -434,5 +433,7 @@ READERS: dict[str, Callable[[Path], Points]] = {
     **dict.fromkeys(gltf.SUFFIXES, lambda path: of_instances(gltf.read(path))),
 }
 ONLY_POINTS = (".csv", *usd.SUFFIXES)  # formats that hold no mesh
-SCENES = (*usd.SUFFIXES, *gltf.SUFFIXES)  # formats that also hold prototypes
+SCENES: dict[str, Any] = {  # formats that also hold prototypes, and their modules
+    suffix: module for module in (usd, gltf, godot) for suffix in module.SUFFIXES
+}
 FORMATS = (*WRITERS, *SCENES)

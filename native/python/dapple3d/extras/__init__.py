@@ -2,6 +2,7 @@
 """Scene files, surfaces larger than memory and work on several machines.
 
 - `dapple3d.extras.gltf`: meshes from glTF files, and points as instances in them.
+- `dapple3d.extras.godot`: points as instances in scenes of Godot.
 - `dapple3d.extras.usd`: points as a PointInstancer of USD; needs `dapple3d[usd]`.
 - `dapple3d.extras.distributed`: surfaces larger than memory, and many shots.
 

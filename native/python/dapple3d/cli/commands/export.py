@@ -13,9 +13,11 @@ from dapple3d import instances
 from dapple3d.cli import meshes, motions, options, points
 from dapple3d.cli.files import about, check_outputs
 from dapple3d.cli.report import Reporter
-from dapple3d.extras import gltf, usd
+from dapple3d.extras import gltf, godot, usd
 
 POSITIVE = click.FloatRange(min=0, min_open=True)
+OF_GODOT = (*godot.SUFFIXES, *(one for one in godot.MESHES if one != ".obj"))  # not converted
+PROJECT = "res://"  # how paths in a project of Godot begin
 SCENE = {"fps": 24.0, "up": "Z", "meters_per_unit": 1.0}
 NAMED = re.compile(r"(?P<path>.*\.(usd[acz]?|glb|gltf))(?::(?P<prim>.+))?", re.IGNORECASE)
 
@@ -31,12 +33,12 @@ class PrototypeType(click.ParamType):
         """Tell the file from the prim in it."""
         found = NAMED.fullmatch(value)
         path = Path(found["path"] if found else value)
-        if not path.is_file():
+        if not (path.is_file() or value.startswith(PROJECT)):
             self.fail(f"'{path}': there is no such file", param, ctx)
         return instances.Reference(path, (found["prim"] or "") if found else "")
 
 
-@click.command("export", short_help="Points for other programs: USD, glTF and others.")
+@click.command("export", short_help="Points for other programs: USD, glTF, Godot and others.")
 @click.argument("source", metavar="POINTS", type=options.INPUT)
 @click.argument("out", type=options.OUTPUT)
 @click.option(
@@ -47,7 +49,8 @@ class PrototypeType(click.ParamType):
     metavar="FILE[:PRIM]",
     help="What stands at the points, once for each class: a mesh (.ply .obj .stl .off), which OUT "
     "holds; for USD a prim of a USD file, which OUT refers to, by default its default prim; for "
-    "glTF a node of a glTF file, which OUT holds, by default all.  [default: balls]",
+    "glTF a node of a glTF file, which OUT holds, by default all; for Godot a .res, .tres or .mesh "
+    "file or a path res://..., which OUT refers to.  [default: balls]",
 )
 @click.option("--frame", type=click.IntRange(min=1), help="Only this one, counted from 1.")
 @click.option("--start", type=int, help="Number of the first frame.  [default: as in POINTS, or 1]")
@@ -84,14 +87,16 @@ def command(
     POINTS is what `dapple sample`, `classes` or `track` has written, or USD or glTF. OUT is
     .usd, .usda or .usdc: a PointInstancer with ids, classes, orientations (along the normals, if
     POINTS has none), scales and velocities, with time samples for a motion. Or it is .glb or .gltf:
-    nodes with EXT_mesh_gpu_instancing. Both round numbers to 32 bits. Or it is .ply, .csv, .npz,
-    .obj or .off. A motion fits into USD and .npz.
+    nodes with EXT_mesh_gpu_instancing. Or it is .tscn: a scene of Godot 4, with the meshes of
+    prototypes in a folder beside it. All these round numbers to 32 bits. Or it is .ply, .csv,
+    .npz, .obj or .off. A motion fits into USD and .npz.
 
     \b
     Examples:
       dapple export points.ply points.usda
       dapple export walk.npz walk.usdc --fps 25 --prototype fern.usd --prototype rocks.usd:/Rock_3
       dapple export plants.csv plants.glb --prototype plants.glb:Fern --prototype rock.ply
+      dapple export plants.csv plants.tscn --prototype fern.ply --prototype res://rock.tres
       dapple export walk.usdc frame_10.csv --frame 10
     """
     reporter = Reporter(json_out, quiet)
@@ -152,9 +157,11 @@ def prototype(given: instances.Reference, out: Path) -> instances.Reference | in
     """
     kinds = [
         suffixes
-        for suffixes in ((*usd.SUFFIXES, ".usdz"), gltf.SUFFIXES)
+        for suffixes in ((*usd.SUFFIXES, ".usdz"), gltf.SUFFIXES, OF_GODOT)
         if given.path.suffix.lower() in suffixes
     ]
+    if given.path.parts[0] == "res:":
+        kinds = [godot.SUFFIXES]
     if kinds and out.suffix.lower() in kinds[0]:
         return given
     if kinds:
@@ -173,7 +180,7 @@ def write_scene(
     """In a format that also holds what stands at the points; with velocities, if they move.
 
     Raises:
-        ClickException: OUT is glTF, which holds a single frame, but there are several.
+        ClickException: OUT is not USD, so it holds a single frame, but there are several.
     """
     with about(source):
         frames = [points.instances_of(one) for one in motion.frames]
@@ -187,7 +194,8 @@ def write_scene(
             usd.write(out, frames, times=motion.times, fps=fps, prototypes=prototypes, **place)
         else:
             check_single(out, motion, source)
-            gltf.write(out, frames[0], prototypes=prototypes, **place)
+            module = points.SCENES[out.suffix.lower()]
+            module.write(out, frames[0], prototypes=prototypes, **place)
 
 
 def check_single(out: Path, motion: motions.Motion, source: Path) -> None:
