@@ -181,14 +181,18 @@ def sky() -> bpy.types.World:
     return world
 
 
-def fade_into_haze(made: bpy.types.Material, start: float, end: float) -> bpy.types.Material:
-    """At these distances from the camera a material becomes the horizon, so that no edge shows."""
+def fade_into_haze(
+    made: bpy.types.Material, start: float, end: float, haze: Vector = HAZE
+) -> bpy.types.Material:
+    """Between these distances from the camera a material becomes the haze at the horizon, so that
+    no edge shows.
+    """
     nodes, links = made.node_tree.nodes, made.node_tree.links
     share, mixed = nodes.new("ShaderNodeMapRange"), nodes.new("ShaderNodeMixShader")
     far, out = nodes.new("ShaderNodeEmission"), nodes["Material Output"].inputs["Surface"]
     share.interpolation_type = "SMOOTHERSTEP"
     share.inputs["From Min"].default_value, share.inputs["From Max"].default_value = start, end
-    far.inputs["Color"].default_value = (*HAZE, 1)
+    far.inputs["Color"].default_value = (*haze, 1)
     links.new(nodes.new("ShaderNodeCameraData").outputs["View Distance"], share.inputs["Value"])
     links.new(share.outputs["Result"], mixed.inputs["Fac"])
     links.new(out.links[0].from_socket, mixed.inputs[1])

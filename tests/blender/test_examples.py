@@ -32,6 +32,8 @@ COUNTS = {
     "seen": 80,
     "remeshed": 800,
     "hair": 60,
+    "robot": 120,
+    "reef": 120,
     "scales": 120,
 }
 LARGEST = 2**20  # bytes of a .blend
