@@ -18,8 +18,10 @@ from .surface.arrays import Floats, Ints
 LongInts = NDArray[np.int64]
 USD = (".usdc", ".usda", ".usd")
 GLTF = (".glb", ".gltf")
+GODOT = (".tscn",)
+STILL = (*GLTF, *GODOT)  # of a single frame
 TABLES = (".csv", ".npz")
-SUFFIXES = (*USD, *GLTF, *TABLES)
+SUFFIXES = (*USD, *STILL, *TABLES)
 _PART = 32  # bits that an id has; above them which object of a collection it is
 
 
@@ -60,8 +62,9 @@ def check_path(path: Path, frames: int) -> None:
         raise ScatterError(f"'{path.name}' has an unknown file extension; known are {known}")
     if not path.parent.is_dir():
         raise ScatterError(f"'{path.parent}': the folder does not exist")
-    if suffix in GLTF and frames > 1:
-        raise ScatterError("glTF cannot move instances: export a single frame, or USD")
+    if suffix in STILL and frames > 1:
+        format_name = "glTF" if suffix in GLTF else "a scene of Godot"
+        raise ScatterError(f"{format_name} cannot move instances: export a single frame, or USD")
 
 
 def write(path: Path, scatters: Sequence[Exported], scene_info: SceneInfo) -> list[Path]:
@@ -99,7 +102,7 @@ def identifiers(names: Iterable[str]) -> list[str]:
 
 
 def reference(path: Path, prim: str) -> Any:
-    """A prototype that is stored in the written file."""
+    """A prototype that is stored in the written file, or beside a scene of Godot."""
     return _part("instances").Reference(path, prim, held=True)
 
 
@@ -114,10 +117,10 @@ def _write_scene(path: Path, scatters: Sequence[Exported], scene_info: SceneInfo
         part.Scatter(name, _instances(one, scene_info), one.prototypes)
         for name, one in zip(identifiers(one.name for one in scatters), scatters, strict=True)
     ]
-    if path.suffix.lower() in GLTF:
-        _part("extras.gltf").write_scatters(
-            path, listed, meters_per_unit=scene_info.meters_per_unit
-        )
+    suffix = path.suffix.lower()
+    if suffix in STILL:
+        module = _part("extras.gltf" if suffix in GLTF else "extras.godot")
+        module.write_scatters(path, listed, meters_per_unit=scene_info.meters_per_unit)
     else:
         times = scene_info.times if len(scene_info.times) > 1 else None
         given = {"fps": scene_info.fps, "meters_per_unit": scene_info.meters_per_unit}

@@ -97,7 +97,19 @@ def test_a_bake_on_a_full_disk_leaves_the_file_and_goes_on_once_there_is_room(di
     assert packed(bpy.data.objects[NAME]) == found
 
 
-@pytest.mark.parametrize("ending", ["csv", "npz", "usda", "glb"])
+def contents(folder):
+    """The bytes of all files by their paths."""
+    files = sorted(one for one in folder.rglob("*") if one.is_file())
+    return {one.relative_to(folder).as_posix(): one.read_bytes() for one in files}
+
+
+def meshes_of(ending):
+    """Files that an export writes beside its own."""
+    name = f"points_meshes/0_0_{NAME}_Cone"
+    return [f"{name}.mtl", f"{name}.obj"] if ending == "tscn" else []
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz", "usda", "glb", "tscn"])
 def test_an_export_on_a_full_disk_leaves_what_was_there(
     disk, needs_exporter, tmp_path, capfd, ending
 ):
@@ -105,19 +117,19 @@ def test_an_export_on_a_full_disk_leaves_what_was_there(
     shot(tmp_path / "shot.blend")
     target = disk / f"points.{ending}"
     assert command("export", target) == 0
-    before = target.read_bytes()
+    before = contents(disk)
+    assert list(before) == [target.name, *meshes_of(ending)]
     bpy.data.objects[NAME].dapple.count = 90
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     capfd.readouterr()
-    for rest in range(0, len(before), BLOCK):
+    for rest in range(0, len(before[target.name]), BLOCK):
         filler = fill(disk, rest)
         code, said = command("export", target), capfd.readouterr().err
         filler.unlink()
         assert code == 1, rest
         assert target.name in said
         assert "Traceback" not in said
-        assert target.read_bytes() == before
-        assert [one.name for one in disk.iterdir()] == [target.name]
+        assert contents(disk) == before
     assert command("export", target) == 0
     assert target.read_bytes() != before
 

@@ -9,7 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from ...core.base.native import missing
-from ...core.export import GLTF, SUFFIXES
+from ...core.export import STILL, SUFFIXES
 from ..base.step_operators import AllOrNothing, Status
 from ..base.translation import translated, translated_count, translated_report
 from ..scatter.object import is_scatter
@@ -19,6 +19,7 @@ FORMATS = (
     (".usdc", "USD", "Universal Scene Description: a PointInstancer, also of many frames"),
     (".usda", "USD (Text)", "Universal Scene Description as text"),
     (".glb", "glTF", "Instances of one frame for game engines and the web"),
+    (".tscn", "Godot", "A scene of Godot 4 with one frame; the meshes are in a folder beside it"),
     (".csv", "CSV", "A table with a line for each instance and frame"),
     (".npz", "NumPy", "Arrays for Python scripts"),
 )
@@ -70,7 +71,7 @@ class DAPPLE_OT_export_points(AllOrNothing, bpy.types.Operator, ExportHelper):
         layout.use_property_split = True
         layout.prop(self, "format")
         row = layout.row()
-        row.enabled = self.format not in GLTF
+        row.enabled = self.format not in STILL
         row.prop(self, "animation")
 
     def work(self, context: bpy.types.Context) -> None:
@@ -83,7 +84,7 @@ class DAPPLE_OT_export_points(AllOrNothing, bpy.types.Operator, ExportHelper):
         return chosen(context)
 
     def _frames(self, scene: bpy.types.Scene, path: Path) -> list[int]:
-        if not self.animation or path.suffix.lower() in GLTF:
+        if not self.animation or path.suffix.lower() in STILL:
             return []
         return list(range(scene.frame_start, scene.frame_end + 1))
 
@@ -126,7 +127,7 @@ def _messages(written: Written) -> list[tuple[str, str]]:
 def draw_menu(menu: Any, _context: bpy.types.Context) -> None:
     """Draw the entry of File > Export."""
     menu.layout.operator(
-        DAPPLE_OT_export_points.bl_idname, text="Dapple Points (.usd/.glb/.csv/.npz)"
+        DAPPLE_OT_export_points.bl_idname, text="Dapple Points (.usd/.glb/.tscn/.csv/.npz)"
     )
 
 

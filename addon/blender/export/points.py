@@ -11,7 +11,7 @@ import bpy
 from ...core.export import SceneInfo, check_path, skewed, write
 from ..surface.reading import frame_kept
 from .collecting import Collector, as_rendered
-from .prototypes import check_installed, references
+from .prototypes import check_installed, meshes_beside, references
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,9 @@ def export_points(
     """Write the instances of scatters, as renders show them, to a file for other programs.
 
     Args:
-        path: ends with .usd, .usda, .usdc, .glb, .gltf, .csv or .npz. Tables hold one scatter:
-            several get a file each, whose names have that of the scatter before the ending.
+        path: ends with .usd, .usda, .usdc, .glb, .gltf, .tscn, .csv or .npz. Tables hold one
+            scatter: several get a file each, whose names have that of the scatter before the
+            ending.
         scatters: objects that Dapple has made, in the scene.
         frames: numbers of frames with the same step; none are the one that the scene shows.
 
@@ -70,9 +71,10 @@ def export_points(
 def _written(target: Path, collector: Collector, scene_info: SceneInfo) -> Written:
     exported = collector.exported
     with tempfile.TemporaryDirectory() as folder:
-        found = references(collector.meshes, target, Path(folder))
+        found = references(collector.meshes, target, Path(folder), scene_info.meters_per_unit)
         for one, prototypes in zip(exported, found, strict=True):
             one.prototypes = prototypes
-        files = write(target, exported, scene_info)
+        with meshes_beside(target, Path(folder)):
+            files = write(target, exported, scene_info)
     count = sum(len(one.frames[0].ids) for one in exported)
     return Written(files, count, skewed(exported), sorted(collector.left_out))

@@ -3,6 +3,7 @@
 
 import csv
 import json
+import re
 import sys
 
 import addon_host
@@ -11,6 +12,7 @@ import child
 import numpy as np
 import pytest
 import scenes
+from mathutils import Matrix
 from test_object_types import with_classes
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -51,6 +53,11 @@ def needs_usd(needs_exporter):
 @pytest.fixture
 def needs_gltf(needs_exporter):
     needs_exporter(".glb")
+
+
+@pytest.fixture
+def needs_godot(needs_exporter):
+    needs_exporter(".tscn")
 
 
 def solid(name, size=0.1):
@@ -117,6 +124,61 @@ def test_another_blender_has_every_instance_of_gltf_in_place(tmp_path, trees):
     check_same_places(np.array(matrices), expected, 1e-5)
 
 
+SECTION = re.compile(r"\[(\w+)([^\n]*)\]\n((?:[^\n\[][^\n]*\n)*)")
+
+
+def of_godot(path):
+    """Files of meshes in a scene of Godot, and the matrices of their instances, with z up."""
+    sections = SECTION.findall(path.read_text())
+    files = {
+        re.search(r'id="(\w+)"', keys)[1]: path.parent / re.search(r'path="([^"]+)"', keys)[1]
+        for kind, keys, _ in sections
+        if kind == "ext_resource"
+    }
+    turn = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+    found = {}
+    for _, _, values in [one for one in sections if 'type="MultiMesh"' in one[1]]:
+        rows = np.array(re.search(r"PackedFloat32Array\((.*)\)", values)[1].split(","), float)
+        matrices = np.tile(np.eye(4), (len(rows) // 12, 1, 1))
+        matrices[:, :3] = rows.reshape(-1, 3, 4)
+        found[files[re.search(r'ExtResource\("(\w+)"\)', values)[1]]] = turn @ matrices @ turn.T
+    return found
+
+
+@pytest.mark.usefixtures("needs_godot")
+def test_every_instance_of_a_scene_of_godot_is_in_place(tmp_path, trees):
+    (expected,) = shown(trees, [3])
+    path = tmp_path / "trees.tscn"
+    bpy.context.scene.unit_settings.scale_length = 0.5
+    written = part("points").export_points(path, [trees])
+    assert (written.files, written.instances, written.left_out) == ([path], 60, [])
+    found = of_godot(path)
+    names = [file.name for file in found]
+    assert sorted(names) == sorted(f"0_{k}_{name}.obj" for k, name in enumerate(order(names)))
+    matrices = np.concatenate(list(found.values()))
+    matrices[:, :3, 3] *= 2.0
+    check_same_places(matrices, expected, 1e-5)
+
+
+def order(names):
+    """The names of the objects, by their numbers."""
+    return [name.removesuffix(".obj").split("_", 2)[2] for name in sorted(names)]
+
+
+@pytest.mark.usefixtures("needs_godot")
+def test_meshes_of_godot_have_their_size_and_materials(tmp_path, trees):
+    bpy.data.objects["Oak"].data.transform(Matrix.Diagonal((1, 2, 3, 1)))
+    bpy.context.scene.unit_settings.scale_length = 0.5
+    part("points").export_points(tmp_path / "trees.tscn", [trees])
+    (file,) = (tmp_path / "trees_meshes").glob("*_Oak.obj")
+    lines = [line.split() for line in file.read_text().splitlines()]
+    corners = np.array([line[1:4] for line in lines if line[:1] == ["v"]], float)
+    assert np.allclose(np.ptp(corners, axis=0), [0.05, 0.15, 0.1])
+    assert {len(line) for line in lines if line[:1] == ["f"]} == {4}
+    assert ["usemtl", "Oak_Green"] in lines
+    assert "newmtl Oak_Green" in file.with_suffix(".mtl").read_text()
+
+
 @pytest.mark.usefixtures("needs_gltf")
 def test_gltf_is_written_where_no_window_is_current(tmp_path, trees):
     """As under `blender --command`, where Blender's exporter asks the window for its cursor."""
@@ -165,22 +227,37 @@ def test_the_files_hold_ids_types_materials_and_velocities(tmp_path, trees):
     assert all(f"objects/_materials/{name}_Green" in text for name in ("Pine", "Oak"))
 
 
-@pytest.mark.usefixtures("needs_usd")
-@pytest.mark.parametrize("packed", [True, False])
-def test_pictures_of_materials_come_along(tmp_path, monkeypatch, packed):
+def with_picture(folder, packed):
+    """A scatter of an object with a picture in its material."""
     obj = scenes.scattered(scenes.sphere(), count=20)
     obj.dapple.instance = thing = solid("Thing")
     picture = bpy.data.images.new("Bark", 8, 8)
     if packed:
         picture.pack()
     else:
-        (tmp_path / "source").mkdir()
-        picture.filepath_raw, picture.file_format = str(tmp_path / "source/Bark.png"), "PNG"
+        (folder / "source").mkdir()
+        picture.filepath_raw, picture.file_format = str(folder / "source/Bark.png"), "PNG"
         picture.save()
     nodes = thing.material_slots[0].material.node_tree
     texture = nodes.nodes.new("ShaderNodeTexImage")
     texture.image = picture
     nodes.links.new(texture.outputs[0], nodes.nodes["Principled BSDF"].inputs["Base Color"])
+    return obj
+
+
+@pytest.mark.usefixtures("needs_godot")
+def test_pictures_of_materials_come_along_to_godot(tmp_path):
+    obj = with_picture(tmp_path, packed=False)
+    part("points").export_points(tmp_path / "thing.tscn", [obj])
+    folder = tmp_path / "thing_meshes"
+    assert "map_Kd Bark.png" in (folder / "0_0_Thing.mtl").read_text()
+    assert (folder / "Bark.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.usefixtures("needs_usd")
+@pytest.mark.parametrize("packed", [True, False])
+def test_pictures_of_materials_come_along(tmp_path, monkeypatch, packed):
+    obj = with_picture(tmp_path, packed)
     monkeypatch.chdir(tmp_path)
     part("points").export_points("thing.usda", [obj])
     assert "@./thing_textures/Bark.png@" in (tmp_path / "thing.usda").read_text()
@@ -298,6 +375,8 @@ def test_what_cannot_be_exported_is_said(tmp_path, trees):
         export(tmp_path / "none" / "trees.csv", [trees])
     with pytest.raises(error, match="glTF cannot move instances"):
         export(tmp_path / "trees.glb", [trees], [1, 2])
+    with pytest.raises(error, match="a scene of Godot cannot move instances"):
+        export(tmp_path / "trees.tscn", [trees], [1, 2])
     (tmp_path / "folder.csv").mkdir()
     with pytest.raises(error, match=r"folder.csv' could not be written"):
         export(tmp_path / "folder.csv", [trees])
@@ -340,4 +419,4 @@ def test_the_menu_of_exports_has_a_line():
     for draw in bpy.types.TOPBAR_MT_file_export._dyn_ui_initialize():
         if draw.__module__.startswith(addon_host.MODULE):
             draw(Menu, bpy.context)
-    assert lines == [("dapple.export_points", "Dapple Points (.usd/.glb/.csv/.npz)")]
+    assert lines == [("dapple.export_points", "Dapple Points (.usd/.glb/.tscn/.csv/.npz)")]
