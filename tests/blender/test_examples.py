@@ -34,6 +34,7 @@ COUNTS = {
     "hair": 60,
     "robot": 120,
     "reef": 120,
+    "knight": 120,
     "scales": 120,
 }
 LARGEST = 2**20  # bytes of a .blend
