@@ -11,7 +11,9 @@ namespace dapple {
 namespace {
 
 // One function for each instruction set. All of them round each square and each sum separately, in
-// the order of squared_distances(), and so give identical results.
+// the order of squared_distances(), and so give identical results. Of a number and a NaN, max
+// instructions return their second operand: so a gap that is no number stays one and is not near,
+// or a search would return the points that are missing in the last box.
 
 #if defined(__x86_64__)
 
@@ -23,7 +25,7 @@ unsigned compare_sse2(const Eight& low, const Eight& high, const Box& query, dou
       const auto a = static_cast<Eigen::Index>(axis);
       const __m128d below = _mm_sub_pd(_mm_loadu_pd(&low[axis][k]), _mm_set1_pd(query.high[a]));
       const __m128d above = _mm_sub_pd(_mm_set1_pd(query.low[a]), _mm_loadu_pd(&high[axis][k]));
-      const __m128d gap = _mm_max_pd(_mm_max_pd(below, above), _mm_setzero_pd());
+      const __m128d gap = _mm_max_pd(_mm_setzero_pd(), _mm_max_pd(below, above));
       sum = _mm_add_pd(sum, _mm_mul_pd(gap, gap));
     }
     bits |= static_cast<unsigned>(_mm_movemask_pd(_mm_cmplt_pd(sum, _mm_set1_pd(limit)))) << k;
@@ -42,7 +44,7 @@ unsigned compare_sse2(const Eight& low, const Eight& high, const Box& query, dou
           _mm256_sub_pd(_mm256_loadu_pd(&low[axis][k]), _mm256_set1_pd(query.high[a]));
       const __m256d above =
           _mm256_sub_pd(_mm256_set1_pd(query.low[a]), _mm256_loadu_pd(&high[axis][k]));
-      const __m256d gap = _mm256_max_pd(_mm256_max_pd(below, above), _mm256_setzero_pd());
+      const __m256d gap = _mm256_max_pd(_mm256_setzero_pd(), _mm256_max_pd(below, above));
       sum = _mm256_add_pd(sum, _mm256_mul_pd(gap, gap));
     }
     const __m256d near = _mm256_cmp_pd(sum, _mm256_set1_pd(limit), _CMP_LT_OQ);
@@ -62,7 +64,7 @@ unsigned compare_sse2(const Eight& low, const Eight& high, const Box& query, dou
     const __m512d above =
         _mm512_sub_pd(_mm512_set1_pd(query.low[a]), _mm512_loadu_pd(high[axis].data()));
     const __m512d gap =
-        _mm512_maskz_max_pd(kAll, _mm512_maskz_max_pd(kAll, below, above), _mm512_setzero_pd());
+        _mm512_maskz_max_pd(kAll, _mm512_setzero_pd(), _mm512_maskz_max_pd(kAll, below, above));
     sum = _mm512_add_pd(sum, _mm512_mul_pd(gap, gap));
   }
   return _mm512_cmp_pd_mask(sum, _mm512_set1_pd(limit), _CMP_LT_OQ);

@@ -57,5 +57,14 @@ TEST(EightBoxes, ThatAreMissingAreFar) {
   }
 }
 
+TEST(EightBoxes, NothingIsNearWhatIsNoNumber) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  Eight points;
+  for (std::size_t axis = 0; axis < 3; ++axis) points[axis].fill(0.0);
+  for (const Vec3& place : {Vec3(kNone, 0.0, 0.0), Vec3(0.0, kNone, 0.0), Vec3(0.0, 0.0, kNone)})
+    for (const InstructionSet set : instruction_sets())
+      EXPECT_EQ(compare_boxes(set)(points, points, {place, place}, 1e300), 0U) << name_of(set);
+}
+
 }  // namespace
 }  // namespace dapple::test
