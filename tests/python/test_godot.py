@@ -3,6 +3,8 @@
 
 import json
 import re
+import shutil
+import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -231,6 +233,37 @@ def test_the_same_instances_are_the_same_bytes(tmp_path, whole):
     for name in "ab":
         godot.write(tmp_path / f"{name}.tscn", whole)
     assert (tmp_path / "a.tscn").read_bytes() == (tmp_path / "b.tscn").read_bytes()
+
+
+LOADING = """extends SceneTree
+func _initialize():
+	var scene = load("res://trees.tscn").instantiate()
+	for node in scene.find_children("*", "MultiMeshInstance3D", true, false):
+		var multi = node.multimesh
+		var height = multi.mesh.get_aabb().size.y
+		var found = [multi.instance_count, Array(node.get_meta("ids")), height]
+		print("FOUND ", JSON.stringify(found))
+	scene.free()
+	quit()
+"""
+
+
+@pytest.mark.skipif(not shutil.which("godot"), reason="Godot is not installed")
+def test_godot_loads_meshes_and_ids(tmp_path, whole):
+    """Its matrices are on the graphics card, which it does without here."""
+    godot.write(tmp_path / "trees.tscn", whole, prototypes=[TRIANGLE] * 3)
+    (tmp_path / "project.godot").write_text("config_version=5\n")
+    (tmp_path / "check.gd").write_text(LOADING)
+    call = ["godot", "--headless", "--path", str(tmp_path)]
+    subprocess.run([*call, "--import"], check=True, capture_output=True, timeout=120)
+    said = subprocess.run(
+        [*call, "-s", "res://check.gd"], check=True, capture_output=True, text=True, timeout=120
+    ).stdout
+    found = [json.loads(line[6:]) for line in said.splitlines() if line.startswith("FOUND ")]
+    assert found == [
+        [int((whole.classes == k).sum()), whole.ids[whole.classes == k].tolist(), 2.0]
+        for k in range(3)
+    ]
 
 
 ONE = Instances(np.ones((1, 3)))
