@@ -5,9 +5,11 @@ import bpy
 
 from ...core.settings.edge_table import ON_EDGES
 from ..base.panel_values import CachedValue
+from ..base.sidebars import lines_of
 from ..base.translation import translated
 from ..scatter.panel import ScatterPanel
 from ..surface.joined_parts import mesh_with_uv_maps
+from ..surface.values import shows_values
 from .operators import DAPPLE_OT_edit_object_types, DAPPLE_OT_select_overlap, count_labels
 
 _AXES = ("scale_x", "scale_y", "scale_z")
@@ -54,7 +56,7 @@ class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
         if owner.collection:
             _draw_weights(column, owner)
         _draw_size(layout, owner)
-        _draw_color(layout, settings)
+        _draw_color(layout, context.object)
         if settings.report.worst_overlap >= _SHOWN_SHARE:
             row = layout.row()
             row.label(text=_overlap(settings))
@@ -80,13 +82,27 @@ def _draw_size(layout: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
     column.prop(owner, "density_scale")
 
 
-def _draw_color(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
+def _draw_color(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    settings = obj.dapple
     column = layout.column(align=True)
     column.prop(settings, "color_attribute")
+    if missing := MISSING_COLOR.of(obj):
+        text = translated("The surface has no attribute or vertex group '{name}'", name=missing)
+        lines_of(column, text, "ERROR")
     column.prop(settings, "color_image")
     if settings.color_image is not None and settings.surface is not None:
         mesh = mesh_with_uv_maps(settings.surface)
         column.prop_search(settings, "color_uv_map", mesh, "uv_layers")
+
+
+def _missing_color(obj: bpy.types.Object) -> str:
+    """The color attribute of a scatter if its surface does not have it."""
+    surface, name = obj.dapple.surface, obj.dapple.color_attribute
+    is_missing = surface is not None and name and not shows_values(surface, name)
+    return name if is_missing else ""
+
+
+MISSING_COLOR = CachedValue(_missing_color, "")
 
 
 def _draw_axes(split: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:

@@ -40,6 +40,15 @@ def _attributes(obj: bpy.types.Object) -> list[str]:
     ]
 
 
+def shows_values(obj: bpy.types.Object, name: str) -> bool:
+    """Whether an object has an attribute or vertex group after its modifiers; also if it is of a
+    type that does not tell.
+    """
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    attributes = getattr(shown.data, "attributes", None)
+    return attributes is None or name in attributes or name in shown.vertex_groups
+
+
 def read_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawValues:
     """Values of an object's evaluated mesh, where they are stored.
 

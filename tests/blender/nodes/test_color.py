@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 import pytest
 import scenes
+import test_panels
 
 
 def plate(cuts=8):
@@ -120,6 +121,37 @@ def test_weights_are_gray_and_a_missing_attribute_is_white():
     assert np.allclose(shown(obj)[1], 1.0)
 
 
+def stores(surface, name):
+    """A modifier that stores an attribute."""
+    tree = bpy.data.node_groups.new("Store", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    begin, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    store = tree.nodes.new("GeometryNodeStoreNamedAttribute")
+    store.inputs["Name"].default_value = name
+    tree.links.new(begin.outputs[0], store.inputs[0])
+    tree.links.new(store.outputs[0], end.inputs[0])
+    surface.modifiers.new("Store", "NODES").node_group = tree
+
+
+def test_the_panel_names_an_attribute_that_the_surface_lacks():
+    surface = plate()
+    ramp(surface)
+    surface.vertex_groups.new(name="Wet")
+    obj = scenes.scattered(surface, count=20)
+    missing = "The surface has no attribute or vertex group"
+    for name in ("", "Tint", "Wet"):
+        obj.dapple.color_attribute = name
+        assert missing not in " ".join(test_panels.drawn())
+    obj.dapple.color_attribute = "Made"
+    assert f"{missing} 'Made'" in " ".join(test_panels.drawn())
+    stores(surface, "Made")
+    assert missing not in " ".join(test_panels.drawn())
+    surface.data.attributes.remove(surface.data.attributes["Tint"])
+    obj.dapple.color_attribute = "Tint"
+    assert f"{missing} 'Tint'" in " ".join(test_panels.drawn())
+
+
 def test_each_object_type_and_each_frame_of_a_bake_has_it():
     surface = scenes.tail(levels=0, render_levels=0)
     ramp(surface)
@@ -149,6 +181,7 @@ def test_several_objects_as_one_surface_have_it():
     assert bpy.ops.dapple.add_scatter(count=60) == {"FINISHED"}
     obj = bpy.context.object
     obj.dapple.color_attribute, obj.dapple.color_image = "Tint", checks()
+    assert "has no attribute" not in " ".join(test_panels.drawn())
     places, colors = shown(obj)
     assert (places[:, 0] > 1.5).sum() > 20
     assert np.ptp(colors[places[:, 0] > 1.5, 0]) > 0.2
