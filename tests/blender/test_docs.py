@@ -13,8 +13,8 @@ import scenes
 
 DOCS = Path(__file__).parents[2] / "docs"
 MANUAL = sorted((DOCS / "manual").glob("*.md"))
-# Operators of Blender itself.
-BLENDERS_OWN = {"Compress", "Save As"}
+# Operators, panels and assets of Blender itself.
+BLENDERS_OWN = {"Adjust Last Operation", "Compress", "Interpolate Hair Curves", "Save As"}
 TEXT, OPTIONS = [(DOCS / name).read_text() for name in ("add-on.md", "options.md")]
 SCRIPTS = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 
