@@ -116,6 +116,19 @@ def test_meshes_obey_the_rules(tmp_path, whole):
     assert tree["asset"]["version"] == "2.0"
 
 
+def test_meshes_without_a_material_are_no_metal(tmp_path, plants, whole):
+    """Metal is black where there is nothing to reflect."""
+    shapes = [TRIANGLE, Reference(plants, "leaf"), Mesh(2 * TRIANGLE.vertices, TRIANGLE.faces)]
+    for prototypes in (shapes, ()):
+        gltf.write(tmp_path / "points.gltf", whole, prototypes=prototypes)
+        tree = tree_of(tmp_path / "points.gltf")
+        plain = {"pbrMetallicRoughness": {"metallicFactor": 0.0}}
+        used = [tree["materials"][mesh["primitives"][0]["material"]] for mesh in tree["meshes"]]
+        own = [one == plain for one in used]
+        assert own == [True, False, True] if prototypes else own == [True] * 3
+        assert tree["materials"].count(plain) == 1
+
+
 def test_classes_without_points_have_no_node(tmp_path, whole):
     two = Instances(whole.positions, classes=2 * (whole.classes > 0))
     gltf.write(tmp_path / "points.gltf", two)
@@ -211,7 +224,7 @@ def test_what_prototypes_need_comes_along_once(tmp_path, plants, whole):
         tree["accessors"][k] for k in (primitive["attributes"]["POSITION"], primitive["indices"])
     ]
     assert [accessor["count"] for accessor in held] == [3, 3]
-    assert primitive["material"] == 0
+    assert tree["materials"][primitive["material"]]["extras"] == {"index": 9}
     corners = corners_of(tmp_path / "points.gltf")
     assert len(corners) == 50
     assert np.isfinite(corners).all()

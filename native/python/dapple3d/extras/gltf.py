@@ -62,6 +62,15 @@ class Document:
     tree: dict[str, Any] = field(default_factory=dict)
     blob: bytearray = field(default_factory=bytearray)
     merged: dict[Path, dict[str, int]] = field(default_factory=dict)  # where files begin in lists
+    plain: int | None = None
+
+    def plain_material(self) -> int:
+        """The material of meshes that have none: by the rules of glTF they would be metal, which is
+        black without surroundings that it reflects.
+        """
+        if self.plain is None:
+            self.plain = self.add("materials", {"pbrMetallicRoughness": {"metallicFactor": 0.0}})
+        return self.plain
 
     def add(self, name: str, entry: Any) -> int:
         """Add an entry to a list and return its index."""
@@ -337,7 +346,8 @@ def _add_mesh(document: Document, mesh: Mesh, up: Up, factor: float) -> int:
     faces = np.ascontiguousarray(mesh.faces, "<u4").ravel()
     places = document.add_array(single("vertices", vertices), target=34962, bounds=True)
     corners = document.add_array(faces, target=34963)
-    primitive = {"attributes": {"POSITION": places}, "indices": corners}
+    material = document.plain_material()
+    primitive = {"attributes": {"POSITION": places}, "indices": corners, "material": material}
     return document.add("meshes", {"primitives": [primitive]})
 
 
