@@ -202,7 +202,7 @@ def test_an_overlap_can_be_selected():
     obj.dapple.report.worst_overlap = 0.25
     assert "Max overlap 25 %" in drawn()
     obj.dapple.report.worst_overlap = 0.004  # below the limit for a warning
-    assert not [text for text in drawn() if "overlap" in text]
+    assert {text for text in drawn() if "overlap" in text} == {"dapple.select_overlapping"}
 
 
 def test_more_evaluations_are_asked_for_only_where_they_ran_out():

@@ -39,6 +39,7 @@ _OPERATORS = (
         "lock_points",
         "edit_object_types",
         "select_overlap",
+        "select_overlapping",
         "solo_scatter",
         "copy_scatter",
     ),

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 from bpy.props import EnumProperty
 from mathutils import Vector
+from numpy.typing import NDArray
 
 from ...core.base.errors import ScatterError
 from ...core.density.counts import class_counts, with_area
@@ -19,7 +20,7 @@ from ..base.handlers import Evaluation, Subscriber
 from ..base.quiet import is_quiet
 from ..base.step_operators import OPTIONS, AllOrNothing
 from ..base.times import show_time
-from ..base.translation import translated
+from ..base.translation import translated, translated_report
 from ..scatter.linked_data import read_only
 from ..scatter.modifier import ensure_modifier, property_name, write_instance_inputs
 from ..scatter.object import is_scatter, settings_of
@@ -28,6 +29,7 @@ from ..scatter.points import own_columns, point_columns_of
 from ..settings.updates import settings_changed
 from ..surface.playback import places_now
 from ..surface.polls import may_be_listed, writable
+from .overlapping import overlapping_ids
 
 _COUNTING = {"count", "per_area", "density", "object_types"}  # what the number of points depends on
 
@@ -115,9 +117,14 @@ def select_overlap(obj: bpy.types.Object, context: bpy.types.Context) -> Vector:
         raise ScatterError(f"Scatter '{obj.name}' has points whose positions are not finite")
     chosen = np.zeros(len(obj.data.vertices), dtype=bool)
     chosen[pair] = True
+    select_points(obj, chosen)
+    return Vector(between)
+
+
+def select_points(obj: bpy.types.Object, chosen: NDArray[np.bool_]) -> None:
+    """Select these points of a scatter (n,) and no others."""
     obj.data.vertices.foreach_set("select", chosen)
     obj.data.update()
-    return Vector(between)
 
 
 def _places_of(obj: bpy.types.Object, rows: list[int], context: bpy.types.Context) -> Floats:
@@ -196,9 +203,46 @@ class DAPPLE_OT_select_overlap(AllOrNothing, bpy.types.Operator):
         context.scene.cursor.location = select_overlap(context.object, context)
 
 
+class DAPPLE_OT_select_overlapping(AllOrNothing, bpy.types.Operator):
+    """Select the points whose instances overlap those of other points on this frame, as renders
+    show them"""
+
+    bl_idname = "dapple.select_overlapping"
+    bl_label = "Select Overlapping Instances"
+    bl_options = OPTIONS
+
+    shape: EnumProperty(
+        name="Shape",
+        description="What an instance occupies",
+        items=(
+            ("BOX", "Bounding Box", "The box around it, which turns with the instance"),
+            ("HULL", "Convex Hull", "The smallest convex shape around it"),
+        ),
+        default="HULL",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return writable(cls, context) and context.mode == "OBJECT"
+
+    def work(self, context: bpy.types.Context) -> None:
+        obj = context.object
+        ids, total = overlapping_ids(obj, self.shape)
+        chosen = np.isin(point_columns_of(obj)["id"], list(ids))
+        select_points(obj, chosen)
+        text = translated_report(
+            "'{name}': {count:,} of {total:,} instances overlap",
+            name=obj.name,
+            count=len(ids),
+            total=total,
+        )
+        self.report({"INFO"}, text)
+
+
 CLASSES = (
     DAPPLE_OT_edit_object_types,
     DAPPLE_OT_select_overlap,
+    DAPPLE_OT_select_overlapping,
 )
 
 

@@ -10,7 +10,12 @@ from ..base.translation import translated
 from ..scatter.panel import ScatterPanel
 from ..surface.joined_parts import mesh_with_uv_maps
 from ..surface.values import shows_values
-from .operators import DAPPLE_OT_edit_object_types, DAPPLE_OT_select_overlap, count_labels
+from .operators import (
+    DAPPLE_OT_edit_object_types,
+    DAPPLE_OT_select_overlap,
+    DAPPLE_OT_select_overlapping,
+    count_labels,
+)
 
 _AXES = ("scale_x", "scale_y", "scale_z")
 _SHOWN_SHARE = 0.005  # what becomes 1 % at least
@@ -61,6 +66,7 @@ class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
             row = layout.row()
             row.label(text=_overlap(settings))
             row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
+        layout.operator(DAPPLE_OT_select_overlapping.bl_idname)
 
 
 def _draw_weights(column: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:

@@ -243,6 +243,7 @@ CASES = [
     ("remove_material", {"index": 0}, of_material, f"{DENSITY}.settings_changed"),
     ("lock_points", {"every": True}, scattered, f"{HAND}.operators.lock_points"),
     ("select_overlap", {}, touching, "blender.object_types.operators.select_overlap"),
+    ("select_overlapping", {}, touching, "blender.object_types.operators.select_points"),
     ("select_scatter", FIRST, two_scatters, "blender.add.scatter_list.activate"),
     ("select_surface", {}, two_scatters, "blender.add.scatter_list.activate"),
     ("solo_scatter", {}, two_scatters, "blender.add.scatter_list.show_solo"),
@@ -402,6 +403,7 @@ TRIED = [
         ("show_density", {}),
         ("lock_points", {"every": True}),
         ("select_overlap", {}),
+        ("select_overlapping", {}),
         ("mark_asset", {}),
     ),
     *(
