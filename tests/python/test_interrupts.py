@@ -283,3 +283,22 @@ def test_the_command_ends_in_a_sentence_whenever_ctrl_c_comes(tmp_path):
         if process.returncode != -signal.SIGINT:
             assert (process.returncode, said) == (130, "Cancelled: nothing was written.\n")
         assert not out.exists()
+
+
+class InterruptedPath:
+    """A path during whose second reading Ctrl-C comes."""
+
+    def __init__(self, path):
+        self.path, self.readings = path, 0
+
+    def __fspath__(self):
+        self.readings += 1
+        if self.readings == 2:
+            raise KeyboardInterrupt
+        return str(self.path)
+
+
+def test_an_interrupt_while_a_path_is_read_stays_one(tmp_path):
+    dapple.write_mesh(tmp_path / "in.ply", *torus(60, 30))
+    with pytest.raises(KeyboardInterrupt):
+        dapple.read_mesh(InterruptedPath(tmp_path / "in.ply"))

@@ -89,7 +89,8 @@ def read_mesh(path: str | os.PathLike[str], *, may_be_empty: bool = False) -> Me
         FileError: naming the file and what is wrong with it.
     """
     if Path(path).suffix.lower() not in GLTF:
-        return MeshArrays(**native._read_mesh(path, may_be_empty))
+        # As text: pybind11 takes an interrupt while it reads a path for a wrong argument.
+        return MeshArrays(**native._read_mesh(os.fspath(path), may_be_empty))
     if not Path(path).is_file():
         raise native.FileError(f"{os.fspath(path)} is not a readable file")
     try:
