@@ -9,8 +9,8 @@ from pathlib import Path
 import bpy
 
 from ...core.export import SceneInfo, check_path, skewed, write
+from ..scatter.shown_instances import Collector, as_rendered
 from ..surface.reading import frame_kept
-from .collecting import Collector, as_rendered
 from .prototypes import check_installed, meshes_beside, references
 
 

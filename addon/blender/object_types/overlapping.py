@@ -13,13 +13,15 @@ from ...core.base.errors import ScatterError
 from ...core.export import Placed
 from ...core.surface.arrays import Floats, Ints
 from ..base.mesh_arrays import read_points
-from ..export.collecting import Collector, as_rendered
+from ..scatter.shown_instances import Collector, as_rendered
 
 _SHRUNK = 1e-5  # of an instance's size: those that only touch do not overlap
 _CHUNK = 1_000_000  # pairs that are looked at together
-_CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
+BOX_CORNERS = np.array(
+    [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64
+)
 _SIDES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-_BOX = np.array([(a, *rest) for a, b, c, d in _SIDES for rest in ((b, c), (c, d))])
+BOX_FACES = np.array([(a, *rest) for a, b, c, d in _SIDES for rest in ((b, c), (c, d))])
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ def box_around(mesh: bpy.types.Mesh) -> Shape | None:
     if not len(points):
         return None
     low, high = points.min(axis=0), points.max(axis=0)
-    return Shape(low + _CORNERS * (high - low), _BOX)
+    return Shape(low + BOX_CORNERS * (high - low), BOX_FACES)
 
 
 def hull_around(mesh: bpy.types.Mesh) -> Shape | None:

@@ -12,7 +12,7 @@ from scipy.optimize import linprog
 
 overlapping = addon_host.part("blender.object_types.overlapping")
 Placed = addon_host.part("core.export").Placed
-CUBE = overlapping.Shape(overlapping._CORNERS, overlapping._BOX)
+CUBE = overlapping.Shape(overlapping.BOX_CORNERS, overlapping.BOX_FACES)
 
 
 def select(obj, **options):
