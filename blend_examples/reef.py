@@ -24,6 +24,7 @@ from blend_examples.scene import (
     move_vertices,
     options,
     run,
+    scatter,
 )
 from blend_examples.studio import Color, aim, color_by_chance, material, set_render, use_nodes
 
@@ -233,12 +234,7 @@ def main() -> None:
     rocks = [rock(k, *one) for k, one in enumerate(_ROCKS)]
     seabed()
     kinds = [staghorn(), tubes(), brain(), fan(), anemone()]
-    bpy.ops.object.select_all(action="DESELECT")
-    for one in rocks:
-        one.select_set(True)
-    bpy.context.view_layer.objects.active = rocks[0]
-    bpy.ops.dapple.add_scatter(count=given.count, seed=given.seed)
-    made = bpy.context.object
+    made = scatter(rocks[0], given.count, given.seed, *rocks[1:])
     density = made.dapple.density
     density.use_slope, density.slope_max, density.slope_falloff = True, math.radians(75), 0.5
     density.use_height, density.height_min, density.height_falloff = True, -0.35, 0.1

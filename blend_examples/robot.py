@@ -209,18 +209,8 @@ def moss() -> bpy.types.Object:
     return hidden(made)
 
 
-def together(parts: Parts, count: int, seed: int) -> bpy.types.Object:
-    """A scatter over all parts as one surface."""
-    bpy.ops.object.select_all(action="DESELECT")
-    for one in parts:
-        one.select_set(True)
-    bpy.context.view_layer.objects.active = parts[0]
-    bpy.ops.dapple.add_scatter(count=count, seed=seed)
-    return bpy.context.object
-
-
 def add_rivets(parts: Parts, count: int, seed: int) -> int:
-    made = together(parts, count, seed)
+    made = scatter(parts[0], count, seed, *parts[1:])
     settings = made.dapple
     settings.scatter_on = "EDGES"
     settings.edge_creases = settings.edge_borders = False
@@ -233,7 +223,7 @@ def add_rivets(parts: Parts, count: int, seed: int) -> int:
 def add_plants(parts: Parts, count: int, seed: int) -> int:
     """Moss in patches on what faces up and sees the sky; grass and flowers among it."""
     lump, fern, petals = moss(), tuft("Fern", 7, 0.2, 0.16), flower()
-    made = together(parts, count, seed)
+    made = scatter(parts[0], count, seed, *parts[1:])
     settings = made.dapple
     density = settings.density
     density.use_slope, density.slope_max, density.slope_falloff = True, 0.6, 0.5

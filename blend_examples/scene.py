@@ -108,10 +108,13 @@ def paint(thing: bpy.types.Object, name: str, values: NDArray[np.float64]) -> No
     attribute.data.foreach_set("value", values.astype(np.float32))
 
 
-def scatter(surface: bpy.types.Object, count: int, seed: int) -> bpy.types.Object:
-    """A scatter of the add-on over the surface."""
+def scatter(
+    surface: bpy.types.Object, count: int, seed: int, *others: bpy.types.Object
+) -> bpy.types.Object:
+    """A scatter of the add-on over the surface, or over it and others as one."""
     bpy.ops.object.select_all(action="DESELECT")
-    surface.select_set(True)
+    for one in (surface, *others):
+        one.select_set(True)
     bpy.context.view_layer.objects.active = surface
     bpy.ops.dapple.add_scatter(count=count, seed=seed)
     return bpy.context.object
