@@ -189,6 +189,15 @@ def write_scatters(
         file.write(_encoded(document, target.suffix.lower()))
 
 
+def single_frame(scatter: Scatter, format_name: str) -> Instances:
+    """The only frame; ValueError if there are several."""
+    if len(scatter.frames) != 1:
+        raise ValueError(
+            f"{scatter.name} has {len(scatter.frames)} frames: {format_name} holds one"
+        )
+    return scatter.frames[0]
+
+
 def check_space(up: str, meters_per_unit: float) -> None:
     """Raise ValueError unless the space of points is described."""
     if up not in ("Y", "Z"):
@@ -215,9 +224,7 @@ def _add_scatter(
     document: Document, scatter: Scatter, up: Up, meters_per_unit: float, target: Path
 ) -> int:
     """The parent node of the nodes of all prototypes."""
-    if len(scatter.frames) != 1:
-        raise ValueError(f"{scatter.name} has {len(scatter.frames)} frames: glTF holds one")
-    (found,) = scatter.frames
+    found = single_frame(scatter, "glTF")
     _check_ids(found)
     moved = standing(found, up, meters_per_unit)
     children = []
@@ -262,9 +269,7 @@ class _Placed:
         """Instances of a mesh that has a matrix of its own in the prototype."""
         if np.array_equal(matrix, np.eye(4)):
             return self
-        here = np.tile(np.eye(4), (len(self.positions), 1, 1))
-        here[:, :3, :3] = rotation_matrices(self.rotations) * self.scales[:, None, :]
-        here[:, :3, 3] = self.positions
+        here = matrices_of(self.positions, self.rotations, self.scales)
         found, skewed = of_matrices(here @ matrix)
         if skewed.any():
             raise ValueError(
@@ -328,6 +333,19 @@ def with_y_up(vectors: NDArray) -> NDArray:
 
 def with_z_up(vectors: NDArray) -> NDArray:
     return vectors[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
+
+
+def matrices_of(
+    positions: NDArray, turns: NDArray | None, scales: NDArray | None
+) -> NDArray[np.float64]:
+    """Matrices (n, 4, 4) of column vectors, of what is scaled, then turned, then moved."""
+    found = np.tile(np.eye(4), (len(positions), 1, 1))
+    if turns is not None:
+        found[:, :3, :3] = rotation_matrices(turns)
+    if scales is not None:
+        found[:, :3, :3] *= scales[:, None, :]
+    found[:, :3, 3] = positions
+    return found
 
 
 def rotation_matrices(turns: NDArray) -> NDArray:
@@ -528,10 +546,7 @@ def reading(path: str | os.PathLike[str]) -> Iterator[None]:
 def instance_matrices(document: Document, node: dict[str, Any]) -> NDArray[np.float64]:
     """Matrices (n, 4, 4) of the instances of a node."""
     found = _read_node(document, node, 0)
-    matrices = np.tile(np.eye(4), (len(found["positions"]), 1, 1))
-    matrices[:, :3, :3] = rotation_matrices(found["orientations"]) * found["scales"][:, None, :]
-    matrices[:, :3, 3] = found["positions"]
-    return matrices
+    return matrices_of(found["positions"], found["orientations"], found["scales"])
 
 
 def _instances(document: Document, nodes: list[dict[str, Any]], up: Up) -> Instances:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from .._native import write_mesh
 from ..instances import Instances, Mesh, Reference, Scatter, Up
 from ..writing import naming, replacing
-from .gltf import check_space, rotation_matrices, single, standing, with_y_up
+from .gltf import check_space, matrices_of, single, single_frame, standing, with_y_up
 
 __all__ = ["MESHES", "SUFFIXES", "write", "write_scatters"]
 
@@ -121,11 +121,7 @@ class _Scene:
     meshes: dict[Path, Mesh] = field(default_factory=dict)  # files to be written
 
     def add(self, scatter: Scatter) -> None:
-        if len(scatter.frames) != 1:
-            raise ValueError(
-                f"{scatter.name} has {len(scatter.frames)} frames: a scene of Godot holds one"
-            )
-        (found,) = scatter.frames
+        found = single_frame(scatter, "a scene of Godot")
         moved = standing(found, self.up, self.factor)
         self.nodes.append(_section("node", name=scatter.name, type="Node3D", parent="."))
         ball = "" if scatter.prototypes else self._ball(scatter)
@@ -226,11 +222,5 @@ def _packed(kind: str, values: NDArray) -> str:
 
 def _rows(found: Instances) -> NDArray[np.float32]:
     """The rows of the matrices, (n, 3, 4): axes as columns, then the position."""
-    count = len(found)
-    linear = np.tile(np.eye(3), (count, 1, 1))
-    if found.orientations is not None:
-        linear = rotation_matrices(found.orientations)
-    if found.scales is not None:
-        linear = linear * found.scales[:, None, :]
-    rows = np.concatenate([linear, found.positions[:, :, None]], axis=2)
+    rows = matrices_of(found.positions, found.orientations, found.scales)[:, :3]
     return single("scales", rows) + np.float32(0.0)  # no negative zeros
