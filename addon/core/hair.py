@@ -36,11 +36,6 @@ def on_base(binding: Binding, now: SurfaceArrays, base: SurfaceArrays) -> Bindin
         return bound_nearest(binding.positions(rest), base)
 
 
-def interpolated(values: Floats, binding: Binding) -> Floats:
-    """Values (c, d) of the face corners at bound points: (n, d)."""
-    return np.einsum("nk,nkd->nd", binding.barycentric, values[binding.loops])
-
-
 def straight_curves(base: SurfaceArrays, roots: Binding, length: float, points: int) -> Floats:
     """Points (n, points, 3) in world space of straight curves along the normals at their roots."""
     steps = np.linspace(0.0, length, points)[:, None]

@@ -9,7 +9,6 @@ from mathutils.bvhtree import BVHTree
 from numpy.typing import NDArray
 
 from ...core.base.errors import ScatterError
-from ...core.hair import interpolated
 from ...core.surface.arrays import Floats, SurfaceArrays
 from ...core.surface.mesh_snapshot import RawMesh, surface_of_raw
 from ...core.surface.records import Binding
@@ -86,7 +85,7 @@ def shared_coordinates(base: BaseMesh, roots: Binding) -> NDArray[np.bool_]:
     places = roots.positions(base.arrays.vertices)
     near = _SAME_PLACE * float(np.linalg.norm(np.ptp(base.arrays.vertices, axis=0)))
     found = np.zeros(len(places), dtype=bool)
-    for row, (u, v) in enumerate(interpolated(base.uv, roots)):
+    for row, (u, v) in enumerate(roots.interpolated(base.uv[roots.loops])):
         for place, _, face, _ in tree.find_nearest_range((u, v, 0.0), _SAME_UV):
             weights = _weights(base.uv[corners[face]], np.array(place[:2]))
             there = weights @ base.arrays.vertices[faces[face]]

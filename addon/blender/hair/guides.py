@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from ...core.base.errors import ScatterError
-from ...core.hair import first_points, interpolated, on_base, straight_curves
+from ...core.hair import first_points, on_base, straight_curves
 from ...core.surface.arrays import Floats, Ints
 from ...core.surface.records import Binding
 from ..base.mesh_arrays import to_local
@@ -47,7 +47,7 @@ def add_guides(scatter: bpy.types.Object, count: int, length: float, points: int
         length = length or _LENGTH * float(np.linalg.norm(np.ptp(base.arrays.vertices, axis=0)))
         places = straight_curves(base.arrays, roots, length, points)
         made = new_hair(surface, f"{scatter.name} Hair")
-        write_curves(made, places, interpolated(base.uv, roots), ids)
+        write_curves(made, places, roots.interpolated(base.uv[roots.loops]), ids)
     made.data.surface_uv_map = base.uv_map
     return Guides(made, len(ids), int(shared_coordinates(base, roots).sum()))
 

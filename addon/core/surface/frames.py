@@ -60,7 +60,7 @@ class Normals:
     def at(self, binding: Binding) -> Floats:
         """Unit normals (n, 3) at bound points."""
         rows = binding.loops if self.of_corners else binding.corners
-        return _unit(np.einsum("nk,nkd->nd", binding.barycentric, self.values[rows]))
+        return _unit(binding.interpolated(self.values[rows]))
 
 
 def smooth(vertices: Floats, faces: Ints) -> Normals:

@@ -115,7 +115,11 @@ class Binding:
 
     def positions(self, vertices: Floats) -> Floats:
         """Points (n, 3) on the surface with these vertices."""
-        return np.einsum("nk,nkd->nd", self.barycentric, vertices[self.corners])
+        return self.interpolated(vertices[self.corners])
+
+    def interpolated(self, values: Floats) -> Floats:
+        """Values (n, d) at the points, from those of the corners of their faces (n, 3, d)."""
+        return np.einsum("nk,nkd->nd", self.barycentric, values)
 
     def rows_at(self, rows: Any) -> "Binding":
         """The binding of some points, selected by indices or a mask."""
