@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <dapple/errors.hpp>
 #include <dapple/mesh_file.hpp>
@@ -13,6 +12,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "file_path.hpp"
 #include "pickling.hpp"
 
 namespace dapple {
@@ -143,8 +143,8 @@ py::object give_corners(std::vector<Row>&& rows, py::ssize_t columns) {
   return view(owner, &(*kept)[0][0][0], {static_cast<py::ssize_t>(kept->size()), 3, columns});
 }
 
-py::dict read_mesh_arrays(const std::filesystem::path& path, bool may_be_empty) {
-  MeshArrays mesh = run([&] { return read_mesh(path, may_be_empty); });
+py::dict read_mesh_arrays(const FilePath& file, bool may_be_empty) {
+  MeshArrays mesh = run([&] { return read_mesh(file.path, may_be_empty); });
   py::dict found, at_vertices, at_faces;
   for (MeshAttribute& attribute : mesh.attributes) {
     const py::dict& owner = attribute.at_faces ? at_faces : at_vertices;
@@ -161,20 +161,19 @@ py::dict read_mesh_arrays(const std::filesystem::path& path, bool may_be_empty) 
   return found;
 }
 
-py::dict vertex_columns(const std::filesystem::path& path) {
-  std::vector<MeshAttribute> columns = run([&] { return read_vertex_columns(path); });
+py::dict vertex_columns(const FilePath& file) {
+  std::vector<MeshAttribute> columns = run([&] { return read_vertex_columns(file.path); });
   py::dict found;
   for (MeshAttribute& column : columns) found[name_of(column)] = give(std::move(column.values));
   return found;
 }
 
-void write_mesh_arrays(const std::filesystem::path& path, const py::object& vertices,
-                       const py::object& faces) {
+void write_mesh_arrays(const FilePath& file, const py::object& vertices, const py::object& faces) {
   const DoubleArray points = doubles("vertices", vertices, 3);
   const IntArray triangles = integers("faces", faces, 3);
   run([&] {
     const Surface checked(as_points(points), as_faces(triangles));
-    write_mesh(path, as_points(points), as_faces(triangles));
+    write_mesh(file.path, as_points(points), as_faces(triangles));
   });
 }
 

@@ -286,19 +286,46 @@ def test_the_command_ends_in_a_sentence_whenever_ctrl_c_comes(tmp_path):
 
 
 class InterruptedPath:
-    """A path during whose second reading Ctrl-C comes."""
+    """A path during one of whose readings Ctrl-C comes."""
 
-    def __init__(self, path):
-        self.path, self.readings = path, 0
+    def __init__(self, path, reading):
+        self.path, self.left = path, reading
 
     def __fspath__(self):
-        self.readings += 1
-        if self.readings == 2:
+        self.left -= 1
+        if not self.left:
             raise KeyboardInterrupt
         return str(self.path)
 
 
-def test_an_interrupt_while_a_path_is_read_stays_one(tmp_path):
-    dapple.write_mesh(tmp_path / "in.ply", *torus(60, 30))
+@pytest.mark.parametrize(
+    ("call", "reading"),
+    [
+        (dapple.read_mesh, 2),
+        (dapple._native._read_vertex_columns, 1),
+        (lambda path: dapple.write_mesh(path, *torus(60, 30)), 1),
+    ],
+)
+def test_an_interrupt_while_a_path_is_read_stays_one(tmp_path, call, reading):
+    path = tmp_path / "in.ply"
+    dapple.write_mesh(path, *torus(60, 30))
+    before = path.read_bytes()
     with pytest.raises(KeyboardInterrupt):
-        dapple.read_mesh(InterruptedPath(tmp_path / "in.ply"))
+        call(InterruptedPath(path, reading))
+    assert path.read_bytes() == before
+
+
+class BrokenPath:
+    def __fspath__(self):
+        raise RuntimeError("no such drive")
+
+
+def test_what_a_path_raises_is_raised(tmp_path):
+    with pytest.raises(RuntimeError, match="no such drive"):
+        dapple.write_mesh(BrokenPath(), *torus(60, 30))
+    with pytest.raises(TypeError, match=r"expected str, bytes or .*, not int"):
+        dapple.write_mesh(3, *torus(60, 30))
+    with pytest.raises(ValueError, match="null byte"):
+        dapple.write_mesh("a\0.ply", *torus(60, 30))
+    dapple.write_mesh(bytes(tmp_path / "as_bytes.off"), *torus(60, 30))
+    assert (tmp_path / "as_bytes.off").exists()

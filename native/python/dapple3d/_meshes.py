@@ -89,8 +89,7 @@ def read_mesh(path: str | os.PathLike[str], *, may_be_empty: bool = False) -> Me
         FileError: naming the file and what is wrong with it.
     """
     if Path(path).suffix.lower() not in GLTF:
-        # As text: pybind11 takes an interrupt while it reads a path for a wrong argument.
-        return MeshArrays(**native._read_mesh(os.fspath(path), may_be_empty))
+        return MeshArrays(**native._read_mesh(path, may_be_empty))
     if not Path(path).is_file():
         raise native.FileError(f"{os.fspath(path)} is not a readable file")
     try:
