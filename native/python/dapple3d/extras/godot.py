@@ -33,7 +33,7 @@ SUFFIXES: Final = (".tscn",)
 MESHES: Final = (".obj", ".res", ".tres", ".mesh")
 """Suffixes of the files that Godot loads as one mesh; those of glTF it loads as scenes."""
 
-PROJECT = "res:/"  # how the path of a file in the project begins, as a Path
+PROJECT: Final = "res://"  # how paths in a project of Godot begin
 NAME = re.compile(r"[A-Za-z0-9_]+")
 ROOT = "dapple"
 SEGMENTS, RINGS = 16, 8  # of a ball
@@ -197,9 +197,9 @@ def _place(reference: Reference, target: Path) -> str:
         raise ValueError(f"{path}: Godot loads meshes from {', '.join(MESHES)}")
     if reference.prim:
         raise ValueError(f"{path}: is one mesh, so it has no {reference.prim!r}")
-    place = path.as_posix()
-    if place.startswith(PROJECT):
-        place = f"res://{place.removeprefix(PROJECT)}"
+    place, root = path.as_posix(), PROJECT.removesuffix("/")  # a Path keeps one of two slashes
+    if place.startswith(root):
+        place = PROJECT + place.removeprefix(root)
     else:
         place = Path(os.path.relpath(path.resolve(), target.resolve().parent)).as_posix()
     try:

@@ -17,7 +17,6 @@ from dapple3d.extras import gltf, godot, usd
 
 POSITIVE = click.FloatRange(min=0, min_open=True)
 OF_GODOT = (*godot.SUFFIXES, *(one for one in godot.MESHES if one != ".obj"))  # not converted
-PROJECT = "res://"  # how paths in a project of Godot begin
 SCENE = {"fps": 24.0, "up": "Z", "meters_per_unit": 1.0}
 NAMED = re.compile(r"(?P<path>.*\.(usd[acz]?|glb|gltf))(?::(?P<prim>.+))?", re.IGNORECASE)
 
@@ -33,7 +32,7 @@ class PrototypeType(click.ParamType):
         """Tell the file from the prim in it."""
         found = NAMED.fullmatch(value)
         path = Path(found["path"] if found else value)
-        if not (path.is_file() or value.startswith(PROJECT)):
+        if not (path.is_file() or value.startswith(godot.PROJECT)):
             self.fail(f"'{path}': there is no such file", param, ctx)
         return instances.Reference(path, (found["prim"] or "") if found else "")
 
