@@ -6,6 +6,7 @@
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
 #include <dapple/refined_samples.hpp>
+#include <dapple/solids.hpp>
 #include <dapple/visibility.hpp>
 
 #include "arrays.hpp"
@@ -288,6 +289,77 @@ py::array_t<bool> seen_by(const Surface& surface, const py::object& eye, const p
   return result;
 }
 
+py::array reached_by(const py::object& vertices, const py::object& faces, const py::object& points,
+                     const py::object& counts, double margin, const ContextPtr& context) {
+  const DoubleArray places = doubles("vertices", vertices, 3);
+  const IntArray corners = integers("faces", faces, 3);
+  const DoubleArray hulls = doubles("points", points, 3);
+  const IntArray numbers = integers("counts", counts, 0);
+  const Solids solids{as_points(hulls), as_span(numbers), margin};
+  const std::vector<Reach> found = run(context, [&](Context* watched) {
+    return reached_by_solids(as_points(places), as_faces(corners), solids, watched);
+  });
+  py::array_t<std::uint8_t> result(static_cast<py::ssize_t>(found.size()));
+  std::transform(found.begin(), found.end(), result.mutable_data(),
+                 [](Reach reach) { return static_cast<std::uint8_t>(reach); });
+  return result;
+}
+
+py::array touching(const py::object& points, const py::object& counts, double margin,
+                   const ContextPtr& context) {
+  const DoubleArray hulls = doubles("points", points, 3);
+  const IntArray numbers = integers("counts", counts, 0);
+  const Solids solids{as_points(hulls), as_span(numbers), margin};
+  const auto pairs =
+      run(context, [&](Context* watched) { return touching_solids(solids, watched); });
+  py::array_t<std::int32_t> result({static_cast<py::ssize_t>(pairs.size()), py::ssize_t{2}});
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    std::copy(pairs[k].begin(), pairs[k].end(), result.mutable_data(static_cast<py::ssize_t>(k)));
+  return result;
+}
+
+void bind_solids(py::module_& m) {
+  m.def("reached_by_solids", &reached_by, py::arg("vertices"), py::arg("faces"), py::arg("points"),
+        py::arg("counts"), py::kw_only(), py::arg("margin") = Solids().margin,
+        py::arg("context") = py::none(),
+        R"(How faces lie relative to convex solids, which are the convex hulls of points.
+
+A face that counts as clear is so for certain: a plane separates it from each solid. The search is that of Gilbert,
+Johnson and Keerthi (1988).
+
+Args:
+    vertices: (v, 3) float64.
+    faces: (m, 3) int32.
+    points: (p, 3) float64, those of all solids, one after the other. A hull may be flat, a line or a point.
+    counts: (s,) int32, number of points of each solid, >= 0; with 0 there is none.
+    margin: >= 0, what is not farther from a hull belongs to the solid.
+    context: a Context for progress and cancel.
+
+Returns:
+    (m,) uint8: 0 for faces that touch no solid, 2 for faces inside one, 1 for the others.
+
+Raises:
+    ValueError: naming the first coordinate that is not finite, face with a missing vertex, or negative count; if the
+        counts do not sum up to p, or margin is out of range.
+    Cancelled: through the context.)");
+  m.def("touching_solids", &touching, py::arg("points"), py::arg("counts"), py::kw_only(),
+        py::arg("margin") = Solids().margin, py::arg("context") = py::none(),
+        R"(Which convex solids touch or overlap, of the solids of reached_by_solids().
+
+Args:
+    points: (p, 3) float64, those of all solids, one after the other.
+    counts: (s,) int32, number of points of each solid, >= 0; with 0 there is none.
+    margin: >= 0, what is not farther from a hull belongs to the solid.
+    context: a Context for progress and cancel.
+
+Returns:
+    (k, 2) int32, pairs of solids in ascending order, the smaller index first.
+
+Raises:
+    ValueError: as reached_by_solids().
+    Cancelled: through the context.)");
+}
+
 void bind_seen_from(py::module_& m) {
   m.def("seen_from", &seen_by, py::arg("surface"), py::arg("eye"), py::arg("points"), py::kw_only(),
         py::arg("context") = py::none(),
@@ -433,6 +505,7 @@ void bind_density(py::module_& m) {
   bind_verbs(m);
   bind_exposure(m);
   bind_seen_from(m);
+  bind_solids(m);
 }
 
 }  // namespace dapple::python

@@ -22,6 +22,7 @@
 #include <dapple/resample.hpp>
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
+#include <dapple/solids.hpp>
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
 #include <dapple/symmetric_samples.hpp>
@@ -647,6 +648,17 @@ TEST(Watched, RefineOutside) {
   const std::vector<Vec3> points = surface.vertices();
   expect_watched(
       [&](Context* context) { (void)seen_from(surface, {3, 1, 1, 1}, points, context); });
+}
+
+TEST(Watched, Solids) {
+  const Surface surface = icosphere(4).surface();
+  const std::vector<Vec3> vertices = surface.vertices();
+  const std::vector<std::int32_t> counts(vertices.size() / 2, 2);
+  const Solids solids{std::span(vertices).first(2 * counts.size()), counts, 0.01};
+  const std::vector<Face> faces = surface.faces();
+  expect_watched(
+      [&](Context* context) { (void)reached_by_solids(vertices, faces, solids, context); });
+  expect_watched([&](Context* context) { (void)touching_solids(solids, context); });
 }
 
 TEST(Watched, Decals) {

@@ -28,6 +28,7 @@
 #include <dapple/resample.hpp>
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
+#include <dapple/solids.hpp>
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
 #include <dapple/symmetric_samples.hpp>
@@ -425,6 +426,17 @@ Prepare leaving_out_hidden_faces(int) {
   });
 }
 
+Prepare finding_solids(int) {
+  const Shape ball = icosphere(1);
+  return again([ball](Hash& hash) {
+    const std::vector<std::int32_t> counts(ball.vertices.size() / 3, 3);
+    const Solids solids{std::span(ball.vertices).first(3 * counts.size()), counts, 0.05};
+    for (const Reach reach : reached_by_solids(ball.vertices, ball.faces, solids))
+      hash.add(static_cast<double>(reach));
+    for (const auto& pair : touching_solids(solids)) hash.add(static_cast<double>(pair[1]));
+  });
+}
+
 Prepare refining_to_a_picture(int) {
   const Surface surface = grid(1).surface();
   const std::vector<FaceUv> uv(surface.face_count(), {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1)});
@@ -576,6 +588,7 @@ constexpr std::array kCases = {
     Case{"Decals", covering},
     Case{"Refine", refining},
     Case{"RefineOutside", leaving_out_hidden_faces, 1},  // as Polygon
+    Case{"Solids", finding_solids, 1},
     Case{"RefineImage", refining_to_a_picture},
     Case{"Spectrum", a_spectrum},
     Case{"SurfaceSpectrum", a_spectrum_of_a_surface},

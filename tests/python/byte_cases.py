@@ -548,6 +548,18 @@ def refine_outside(run: Run) -> None:
 
 
 @case
+def solids(run: Run) -> None:
+    vertices, faces = TORUS
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float64)
+    points = run.given((0.4 * corners + vertices[::31, None]).reshape(-1, 3))
+    counts = [8] * (len(points) // 8)
+    run.keep(
+        reached=dapple.reached_by_solids(vertices, faces, points, counts, margin=0.05),
+        pairs=dapple.touching_solids(points, counts),
+    )
+
+
+@case
 def seen_from(run: Run) -> None:
     vertices, faces = TORUS
     eye = run.given(np.array([3.0, 0.5, 1.0, 1.0]))

@@ -317,6 +317,71 @@ def test_a_camera_leaves_out_what_meshes_hide():
     assert density.Camera(near, 1.0, [(cover, CUBE_FACES)]).values(np.zeros((1, 3)))[0] == 0.0
 
 
+def logs(count=9, length=1.2) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Turned boxes (s, 8, 3) on the square, their middles, and their axes (s, 3, 3) as columns."""
+    turn = np.linspace(0.0, 2.0, count)
+    axes = np.zeros((count, 3, 3))
+    axes[:, 0, 0] = axes[:, 1, 1] = np.cos(turn)
+    axes[:, 1, 0], axes[:, 0, 1], axes[:, 2, 2] = np.sin(turn), -np.sin(turn), 1.0
+    middles = np.array([[x, y, 0.05] for x in (-1.3, 0, 1.3) for y in (-1.3, 0, 1.3)])[:count]
+    return (
+        CUBE * [length / 2, 0.04, 0.05] @ axes.transpose(0, 2, 1) + middles[:, None],
+        middles,
+        axes,
+    )
+
+
+@pytest.mark.parametrize("margin", [0.0, 0.1])
+def test_no_sample_lies_in_solids_and_many_lie_beside_them(margin):
+    boxes, middles, axes = logs()
+    solids = density.Solids(boxes.reshape(-1, 3), [8] * len(boxes), margin)
+    masked = density.MaskedSurface(plane(), [solids], count=2000)
+    samples = masked.to_original(dapple.sample(masked.surface, 2000))
+    own = np.einsum("skd,snk->snd", axes, samples.positions - middles[:, None])
+    away = np.maximum(np.abs(own) - [0.6, 0.04, 0.05], 0.0)
+    distances = np.linalg.norm(away, axis=2).min(axis=0)
+    assert distances.min() > margin
+    assert (distances < margin + 0.05).sum() > 100
+    assert samples.report.capacity_variation < 0.05
+    np.testing.assert_array_equal(solids.values(samples.positions), np.ones(2000))
+    np.testing.assert_array_equal(solids.values(middles * [1, 1, 0]), np.zeros(len(middles)))
+
+
+def test_solids_follow_a_surface_that_moves():
+    boxes, middles, _ = logs()
+    solids = density.Solids(boxes.reshape(-1, 3), [8] * len(boxes))
+    first = density.MaskedSurface(plane(), [solids], count=200)
+    later = density.Solids(boxes.reshape(-1, 3) + np.array([0.3, 0.0, 0.0]), [8] * len(boxes))
+    second = density.MaskedSurface(
+        first.original.deformed(SQUARE), [later], count=200, like=first, rest=SQUARE
+    )
+    assert (later.values(middles * [1, 1, 0]) == 1.0).any()
+    samples = second.to_original(dapple.sample(second.surface, 200))
+    assert (later.values(samples.positions) == 1.0).all()
+
+
+def test_solids_that_leave_nothing_or_nothing_out():
+    none = density.MaskedSurface(plane(), [density.Solids(np.empty((0, 3)), [])], count=100)
+    assert (none.corner_density() == 1.0).all()
+    assert len(none.surface.faces) == 2
+    all_of_it = density.Solids(9.0 * CUBE, [8])
+    with pytest.raises(ValueError, match="density"):
+        density.MaskedSurface(plane(), [all_of_it], count=100)
+    with pytest.raises(ValueError, match=r"points has the shape \(8, 2\)"):
+        density.Solids(CUBE[:, :2], [8])
+    with pytest.raises(ValueError, match="counts do not sum up to the 8 points"):
+        density.Solids(CUBE, [7])
+    with pytest.raises(ValueError, match="margin is -1"):
+        density.Solids(CUBE, [8], -1.0)
+
+
+def test_solids_that_touch():
+    boxes = (CUBE + np.array([0.0, 1.9, 9.0])[:, None, None] * [1, 0, 0]).reshape(-1, 3)
+    assert dapple.touching_solids(boxes, [8, 8, 8]).tolist() == [[0, 1]]
+    assert dapple.touching_solids(boxes, [8, 8, 8], margin=3.0).tolist() == [[0, 1], [1, 2]]
+    assert dapple.touching_solids(np.empty((0, 3)), []).shape == (0, 2)
+
+
 def test_points_that_an_eye_sees():
     surface = dapple.Surface(SQUARE, TWO)
     points = [[0.0, 0.0, -1.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]

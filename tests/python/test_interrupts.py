@@ -138,6 +138,14 @@ CALLS = {
         lambda: dapple.seen_from(b.surface, [9.0, 0.0, 0.0, 1.0], b.points)
     ),
     "exposure": lambda b: many(lambda: dapple.exposure(b.surface)),
+    "reached_by_solids": lambda b: many(
+        lambda: dapple.reached_by_solids(
+            b.vertices, b.faces, b.vertices, [4] * (len(b.vertices) // 4)
+        )
+    ),
+    "touching_solids": lambda b: many(
+        lambda: dapple.touching_solids(b.vertices, [4] * (len(b.vertices) // 4))
+    ),
     "remesh": lambda b: dapple.remesh(b.surface, 20_000, max_evaluations=1000, tolerance=0),
     "mosaic": lambda b: many(lambda: dapple.mosaic(b.surface, b.samples, grout=0.001)),
     "texels": lambda b: many(lambda: dapple.texels(b.surface, b.uv, 4096, 4096)),

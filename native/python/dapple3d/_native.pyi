@@ -824,6 +824,18 @@ def exposure(
 def seen_from(
     surface: Surface, eye: ArrayLike, points: ArrayLike, *, context: Context | None = None
 ) -> NDArray[np.bool_]: ...
+def reached_by_solids(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    points: ArrayLike,
+    counts: ArrayLike,
+    *,
+    margin: float = 0.0,
+    context: Context | None = None,
+) -> NDArray[np.uint8]: ...
+def touching_solids(
+    points: ArrayLike, counts: ArrayLike, *, margin: float = 0.0, context: Context | None = None
+) -> NDArray[np.int32]: ...
 def refine_outside(
     surface: Surface,
     edge: float,

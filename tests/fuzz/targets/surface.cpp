@@ -8,6 +8,7 @@
 #include <dapple/curvature.hpp>
 #include <dapple/energy.hpp>
 #include <dapple/projector.hpp>
+#include <dapple/solids.hpp>
 #include <dapple/topology.hpp>
 #include <dapple/visibility.hpp>
 #include <limits>
@@ -106,6 +107,23 @@ void fuzz_points(Bytes& bytes, const Surface& surface) {
   }
 }
 
+void fuzz_solids(Bytes& bytes, const Surface& surface) {
+  std::vector<Vec3> points = take_sites(bytes, surface, bytes.below(40)).positions;
+  if (!points.empty() && bytes.one_in(8)) points[0] = {bytes.wild(), bytes.wild(), bytes.wild()};
+  std::vector<std::int32_t> counts;
+  for (std::size_t left = points.size(); left > 0; left -= static_cast<std::size_t>(counts.back()))
+    counts.push_back(1 + static_cast<std::int32_t>(bytes.below(static_cast<int>(left))));
+  const Solids solids{points, counts, bytes.one_in(2) ? 0.0 : bytes.power(-6, 2)};
+  const std::vector<Vec3> vertices = surface.vertices();
+  const std::vector<Face> faces = surface.faces();
+  if (const auto reach = answer([&] { return reached_by_solids(vertices, faces, solids); })) {
+    EXPECT_EQ(reach->size(), faces.size());
+  }
+  if (const auto pairs = answer([&] { return touching_solids(solids); })) {
+    EXPECT_TRUE(std::is_sorted(pairs->begin(), pairs->end()));
+  }
+}
+
 /// Where the plane half-way between two sites is all but parallel to a face that it crosses, the
 /// rounding of coordinates moves the line in which they meet, for each of the two its own way.
 double area_by_flat_bisectors(const Surface& surface, const Sites& sites) {
@@ -167,6 +185,7 @@ void fuzz_surface(Bytes& bytes) {
   fuzz_projector(bytes, shape, *surface);
   fuzz_energy(bytes, *surface);
   fuzz_points(bytes, *surface);
+  fuzz_solids(bytes, *surface);
 }
 
 }  // namespace dapple::fuzz

@@ -4,7 +4,7 @@
 A mask is a quantity and a `Range` of it in which the density is full:
 
 - `slope` and `aspect` are functions of the normals. Their factors multiply a density: `multiplied`.
-- `Height`, `Distance`, `Noise`, `Camera` and `Obstacle` are fields: values at places.
+- `Height`, `Distance`, `Noise`, `Camera`, `Obstacle` and `Solids` are fields: values at places.
 
 `MaskedSurface` cuts the faces on which fields change, as it does for pictures on texture
 coordinates: so a mask holds within large faces.
@@ -29,6 +29,7 @@ from .noise import noise
 from .normals import vertex_normals
 from .orientation import aspect, slope
 from .ranges import Range
+from .solids import Solids
 
 __all__ = [
     "Camera",
@@ -41,6 +42,7 @@ __all__ = [
     "Obstacle",
     "Range",
     "RangeField",
+    "Solids",
     "aspect",
     "border_edges",
     "multiplied",
