@@ -67,10 +67,7 @@ class Collector:
     def check(self) -> None:
         """ScatterError if a scatter has no instance on any frame."""
         for obj, found in zip(self.scatters, self.exported, strict=True):
-            if not any(len(frame.ids) for frame in found.frames):
-                hidden = not obj.visible_get()
-                why = "it is hidden in the viewport" if hidden else "optimize it first"
-                raise ScatterError(f"Scatter '{obj.name}' shows no instances: {why}")
+            check_shown(obj, any(len(frame.ids) for frame in found.frames))
 
     def free(self) -> None:
         """Remove the copies."""
@@ -107,6 +104,14 @@ class Collector:
             np.array([classes.get(number, 0) for number in rows.ids], np.int32),
             np.array(rows.prototypes, np.int32),
         )
+
+
+def check_shown(obj: bpy.types.Object, shows_some: bool) -> None:
+    """ScatterError unless a scatter shows instances."""
+    if not shows_some:
+        hidden = not obj.visible_get()
+        why = "it is hidden in the viewport" if hidden else "optimize it first"
+        raise ScatterError(f"Scatter '{obj.name}' shows no instances: {why}")
 
 
 def _copied(obj: bpy.types.Object, name: str) -> bpy.types.Mesh:

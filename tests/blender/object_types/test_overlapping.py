@@ -11,8 +11,8 @@ import scenes
 from scipy.optimize import linprog
 
 overlapping = addon_host.part("blender.object_types.overlapping")
+shapes = addon_host.part("blender.scatter.instance_shapes")
 Placed = addon_host.part("core.export").Placed
-CUBE = overlapping.Shape(overlapping.BOX_CORNERS, overlapping.BOX_FACES)
 
 
 def select(obj, **options):
@@ -139,7 +139,8 @@ def test_a_bake_counts_on_its_frame():
 def pairs_of(matrices, ids=None):
     rows = np.arange(len(matrices))
     frame = Placed(np.array(matrices), rows if ids is None else ids, 0 * rows, 0 * rows)
-    return set(overlapping.overlapping_pairs(frame, [CUBE]))
+    placed = shapes.placed_shapes(frame, [shapes.BOX_CORNERS])
+    return {tuple(pair) for pair in overlapping.overlapping_pairs(placed).tolist()}
 
 
 def moved(*place, scale=1.0):
@@ -153,22 +154,6 @@ def test_what_touches_does_not_overlap_and_what_is_inside_does():
     assert pairs_of([moved(0, 0, 0), moved(0.999, 0, 0)]) == {(0, 1)}
     assert pairs_of([moved(0, 0, 0), moved(0.4, 0.4, 0.4, scale=0.1)]) == {(0, 1)}
     assert pairs_of([moved(0, 0, 0), moved(0.5, 0, 0)], np.array([7, 7])) == set()
-
-
-@pytest.mark.parametrize("chunk", [1, 7, 10**6])
-def test_near_pairs_are_all_that_meet(monkeypatch, chunk):
-    monkeypatch.setattr(overlapping, "_CHUNK", chunk)
-    random = np.random.default_rng(1)
-    low = random.random((80, 3))
-    high = low + 0.3 * random.random((80, 3))
-    low[5], high[5] = low[6], high[6]
-    found = [pair for one in overlapping.near_pairs(low, high) for pair in np.stack(one, axis=1)]
-    meet = {
-        (a, b)
-        for a, b in combinations(range(80), 2)
-        if (low[a] <= high[b]).all() and (low[b] <= high[a]).all()
-    }
-    assert sorted(tuple(sorted(map(int, pair))) for pair in found) == sorted(meet)
 
 
 def test_flat_and_empty_instances():
