@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sets up what is missing, then builds a scene, renders it and prints a report.
 #   blend_examples/run.sh [SCENE] [OPTIONS]
-#     SCENE            cube, creature (default), side_by_side, scales, meadow, studs, mosaic, portrait, city, decals, edges, trimmed, leaning, colored, seen, remeshed,
+#     SCENE            cube, creature (default), side_by_side, scales, meadow, studs, mosaic, portrait, city, decals, edges, trimmed, leaning, colored, seen, logs, remeshed,
 #                      hair, robot, reef, knight or ready
 #     --count N        number of points
 #     --seed N         another seed gives another scatter
@@ -14,7 +14,7 @@
 scene=creature
 case ${1:-} in
   '' | -*) ;;
-  cube | creature | side_by_side | scales | meadow | studs | mosaic | portrait | city | decals | edges | trimmed | leaning | colored | seen | remeshed | hair | robot | reef | knight | ready) scene=$1 && shift ;;
+  cube | creature | side_by_side | scales | meadow | studs | mosaic | portrait | city | decals | edges | trimmed | leaning | colored | seen | logs | remeshed | hair | robot | reef | knight | ready) scene=$1 && shift ;;
   *) fail "unknown scene $1; see the head of blend_examples/run.sh" ;;
 esac
 usage() {

@@ -30,6 +30,7 @@ COUNTS = {
     "leaning": 60,
     "colored": 80,
     "seen": 80,
+    "logs": 200,
     "remeshed": 800,
     "hair": 60,
     "robot": 120,

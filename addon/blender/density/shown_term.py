@@ -10,8 +10,8 @@ from ...core.density.counts import values_of
 from ...core.settings.density_table import ALL
 from ...core.settings.values import Settings
 from ..base.translation import item_label, translated
-from ..scatter.object import settings_of, surface_of
-from ..surface.scene_objects import obstacles_of, targets_of
+from ..scatter.object import is_scatter, settings_of, surface_of
+from ..surface.scene_objects import obstacles_of, own_objects, targets_of
 from ..surface.surroundings import read_camera
 
 _FOOT = 0.3048
@@ -48,7 +48,9 @@ def watched_by(obj: bpy.types.Object, request: Request) -> frozenset[int]:
     surface, density = surface_of(obj), request.settings.density
     found = [surface, surface.data, obj.dapple.density.image]
     if density.avoid_collection:
-        found += obstacles_of(density.avoid_collection, surface, obj)
+        avoided = obstacles_of(density.avoid_collection, surface, obj)
+        shaped = [one for one in avoided if is_scatter(one) and density.avoid_shape != "DISC"]
+        found += [*avoided, *(block for one in shaped for block in own_objects(one))]
     if density.use_camera_view and density.camera_hidden and density.hiding_collection:
         found += obstacles_of(density.hiding_collection, surface, obj)
     for target in targets_of(density, surface, obj):

@@ -26,7 +26,7 @@ from ...core.surface.sources import (
     surface_sources,
 )
 from ..scatter.key_stores import key_tables, stores_of
-from ..scatter.object import settings_of
+from ..scatter.object import is_scatter, settings_of
 from ..scatter.points import points_digest
 from ..surface.joined_parts import collections_of, members_of
 from ..surface.mesh import read_outline
@@ -131,6 +131,8 @@ def depends_on(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[int, tuple
     density, surface = obj.dapple.density, obj.dapple.surface
     found: dict[int, tuple[str, ...]] = {obj.session_uid: ()}
     around = [scene, density.image, *_obstacles(density.avoid_collection)]
+    if density.avoid_shape != "DISC":
+        around += _instances(density.avoid_collection)
     if density.use_distance:
         around += _with_data(density.distance_object)
         around += _obstacles(density.distance_collection)
@@ -156,6 +158,12 @@ def _obstacles(collection: bpy.types.Collection | None) -> list[Any]:
         return []
     objects = [block for obj in collection.all_objects for block in _with_data(obj)]
     return [collection, *collection.children_recursive, *objects]
+
+
+def _instances(collection: bpy.types.Collection | None) -> list[Any]:
+    """Objects that the scatters of a collection instance."""
+    scatters = [obj for obj in collection.all_objects if is_scatter(obj)] if collection else []
+    return [block for obj in scatters for one in own_objects(obj) for block in _with_data(one)]
 
 
 def _stores(obj: bpy.types.Object) -> list[Any]:

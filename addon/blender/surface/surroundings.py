@@ -11,12 +11,14 @@ import numpy as np
 from ...core.bake.keys import Baked
 from ...core.base.errors import ScatterError
 from ...core.base.steps import PAUSE, run_now
+from ...core.export import LongInts
 from ...core.settings.values import DensitySettings, Settings
 from ...core.surface.arrays import Floats, Ints, SurfaceArrays, Surroundings
 from ...core.surface.mesh_snapshot import RawImage, RawMesh, image_density, surface_of_raw
 from ...core.surface.records import check_columns
 from ..base.mesh_arrays import matrix_of, read_columns
 from ..base.object_handles import ObjectHandle
+from ..scatter.instance_shapes import InstanceShapes, shapes_of
 from ..scatter.object import is_scatter
 from .images import is_film, read_images
 from .joined_parts import parts_of
@@ -56,6 +58,9 @@ _KEEPS_WEIGHTS = {
 }
 
 
+_NONE = np.empty(0, dtype=np.int32)
+
+
 @dataclass
 class Known:
     """Data of previous frames that cannot have changed."""
@@ -85,6 +90,7 @@ class Nearby:
     hiding: list[RawMesh] = field(default_factory=list)
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))
     radii: Floats = field(default_factory=lambda: np.empty(0))
+    hulls: list[InstanceShapes] = field(default_factory=list)
     targets: list[RawMesh] = field(default_factory=list)
     lines: list[Floats] = field(default_factory=lambda: [np.empty((0, 2, 3))])
 
@@ -98,6 +104,8 @@ class Nearby:
             hiding=_solids(self.hiding),
             points=self.points,
             radii=self.radii,
+            hulls=np.concatenate([np.empty((0, 3)), *(one.points for one in self.hulls)]),
+            hull_counts=np.concatenate([_NONE, *(one.counts for one in self.hulls)]),
             targets=_solids(self.targets),
             lines=np.concatenate(self.lines),
             **self.picture,
@@ -133,7 +141,9 @@ def nearby_parts(
             found.hiding = yield from _solid_parts(others, known)
     if density.avoid_collection:
         others = obstacles_of(density.avoid_collection, surface.get(), _object(own))
-        found.points, found.radii = balls(others, density.avoid_margin, known.scatters)
+        found.hulls, shaped = _shapes(others, density.avoid_shape)
+        found.points, found.radii = balls(others, density.avoid_margin, known.scatters, shaped)
+        yield PAUSE
         found.obstacles = yield from _solid_parts(others, known)
     yield from _target_parts(found, density, surface, own, known)
     return found
@@ -227,15 +237,46 @@ def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:
     return found
 
 
+def _shapes(
+    others: list[bpy.types.Object], shape: str
+) -> tuple[list[InstanceShapes], dict[int, LongInts]]:
+    """Shapes of the instances of other scatters, and ids of their points that show meshes, by the
+    scatters' session_uid; none if the points keep discs free.
+
+    Raises:
+        ScatterError: a scatter with points is hidden.
+    """
+    found, ids = [], {}
+    for obj in others if shape != "DISC" else ():
+        if is_scatter(obj) and len(obj.data.vertices):
+            if not obj.visible_get():
+                raise ScatterError(
+                    f"Scatter '{obj.name}' is hidden in the viewport, so the shapes of its "
+                    "instances are not known: show it, or set Instances below Avoid Collection to "
+                    "Disc"
+                )
+            shapes, ids[obj.session_uid] = shapes_of(obj, shape)
+            found.append(shapes)
+    return found, ids
+
+
 def balls(
-    others: list[bpy.types.Object], margin: float, known: dict[int, Baked] | None = None
+    others: list[bpy.types.Object],
+    margin: float,
+    known: dict[int, Baked] | None = None,
+    shaped: dict[int, LongInts] | None = None,
 ) -> tuple[Floats, Floats]:
-    """Current points of other scatters, and the distance to keep from each."""
+    """Current points of other scatters, and the distance to keep from each, without those whose
+    instances have other shapes: their ids by the scatters' session_uid.
+    """
     points, radii = [np.empty((0, 3))], [np.empty(0)]
     for obj in others:
         if is_scatter(obj):
             places, there = points_now(obj, {} if known is None else known)
             check_columns({"position": places}, obj.name)
+            if shaped and obj.session_uid in shaped:
+                own = read_columns(obj.data, {"id": "INT"})["id"]
+                there = there & ~np.isin(own, shaped[obj.session_uid])
             points.append(places[there])
             radii.append(np.maximum(_radii(obj, len(places)), margin)[there])
     joined, sizes = np.concatenate(points), np.concatenate(radii)

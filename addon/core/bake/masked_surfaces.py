@@ -23,7 +23,7 @@ _AROUND = {
     "uv": ("uv",),
     "image": ("image",),
     "camera": ("camera",),
-    "others": ("points", "radii"),
+    "others": ("points", "radii", "hulls", "hull_counts"),
     "targets": ("lines",),
 }
 
@@ -125,7 +125,8 @@ def _masks(density: DensitySettings) -> list[str]:
 
 def is_of_the_world(density: DensitySettings, around: Surroundings) -> bool:
     """Whether a density changes when its surface moves."""
-    nearby = around.camera is not None or around.obstacles or len(around.points)
+    avoided = around.obstacles or len(around.points) or len(around.hulls)
+    nearby = around.camera is not None or avoided
     return bool(nearby or _masks(density))
 
 

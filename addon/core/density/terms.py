@@ -101,6 +101,8 @@ def fields_of(
     if around.camera is not None:
         found.append(_camera(arrays, settings))
     found += [density.Obstacle(*mesh, settings.avoid_margin) for mesh in around.obstacles]
+    if len(around.hulls):
+        found.append(density.Solids(around.hulls, around.hull_counts, settings.avoid_margin))
     return found
 
 

@@ -135,8 +135,21 @@ DENSITY = (
         "",
         "Avoid Collection",
         "Collection of objects that points avoid: the inside of closed meshes, the vicinity of "
-        "any mesh, and the instances of other scatters with their radii. The scatter's own "
-        "points, tiles and instances are never avoided",
+        "any mesh, and the instances of other scatters. The scatter's own points, tiles and "
+        "instances are never avoided",
+    ),
+    Setting(
+        "avoid_shape",
+        Kind.CHOICE,
+        "DISC",
+        "Instances",
+        "What instances of other scatters keep free, as renders show them",
+        choices=(
+            ("DISC", "Disc", "A disc around each point, by the radius of its object type"),
+            ("BOX", "Bounding Box", "The box around the instance, which turns with it"),
+            ("HULL", "Convex Hull", "The smallest convex shape around the instance"),
+        ),
+        under="avoid_collection",
     ),
     Setting(
         "avoid_margin",

@@ -32,6 +32,8 @@ class Surroundings:
     hiding: tuple[tuple[Floats, Ints], ...] = ()  # meshes behind which the camera sees nothing
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # of other scatters
     radii: Floats = field(default_factory=lambda: np.empty(0))  # (k,) distances to keep from them
+    hulls: Floats = field(default_factory=lambda: np.empty((0, 3)))  # corners of convex shapes
+    hull_counts: Ints = field(default_factory=lambda: np.empty(0, np.int32))  # (h,) of each shape
     # Meshes and segments (s, 2, 3) that a distance is measured to; a point is a segment too.
     targets: tuple[tuple[Floats, Ints], ...] = ()
     lines: Floats = field(default_factory=lambda: np.empty((0, 2, 3)))
@@ -41,7 +43,8 @@ class Surroundings:
         meshes = [
             array for mesh in (*self.obstacles, *self.hiding, *self.targets) for array in mesh
         ]
-        single = [self.uv, self.image, self.camera, self.points, self.radii, self.lines]
+        single: list[NDArray[Any] | None] = [self.uv, self.image, self.camera]
+        single += [self.points, self.radii, self.lines, self.hulls, self.hull_counts]
         for number, picture in self.tiles:
             single += [np.array([number]), picture]
         return [array for array in (*single, *meshes) if array is not None]

@@ -221,9 +221,18 @@ def around_sources(pose: Pose, around: Surroundings) -> Sources:
         )
         corners = np.concatenate([ends, *(vertices for vertices, _ in around.targets)])
         near["targets"] = _sums(pose.local(corners))
-    if len(around.points):
-        near["others"] = _sums(np.column_stack([pose.local(around.points), around.radii]))
+    if len(around.points) or len(around.hulls):
+        near["others"] = _sums(_spheres(pose, around))
+    if len(around.hulls):
+        exact["others"] = digest_of([around.hull_counts])
     return Sources(exact=exact, near=near)
+
+
+def _spheres(pose: Pose, around: Surroundings) -> Floats:
+    """Places and radii (k, 4) that points avoid; corners of shapes have none."""
+    rows = np.column_stack([pose.local(around.points), around.radii])
+    corners = pose.local(around.hulls)
+    return np.concatenate([rows, np.column_stack([corners, np.zeros(len(corners))])])
 
 
 def differing(before: Sources, now: Sources) -> list[str]:

@@ -131,6 +131,7 @@ class DAPPLE_PG_density(_Open):
     camera_hidden: bool
     hiding_collection: Any
     avoid_collection: Any
+    avoid_shape: str
     avoid_margin: float
     shown_term: str
 
