@@ -96,7 +96,13 @@ def _draw_color(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
         text = translated("The surface has no attribute or vertex group '{name}'", name=missing)
         lines_of(column, text, "ERROR")
     column.prop(settings, "color_image")
-    if settings.color_image is not None and settings.surface is not None:
+    image = settings.color_image
+    if image is not None and image.source == "TILED" and len(image.tiles) > 1:
+        text = translated(
+            "Of the UDIM tiles of '{name}' only the first one counts", name=image.name
+        )
+        lines_of(column, text, "ERROR")
+    if image is not None and settings.surface is not None:
         mesh = mesh_with_uv_maps(settings.surface)
         column.prop_search(settings, "color_uv_map", mesh, "uv_layers")
 

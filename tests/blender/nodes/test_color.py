@@ -152,6 +152,15 @@ def test_the_panel_names_an_attribute_that_the_surface_lacks():
     assert f"{missing} 'Tint'" in " ".join(test_panels.drawn())
 
 
+def test_the_panel_names_an_image_of_which_tiles_do_not_count():
+    obj = scenes.scattered(plate(), count=20)
+    image = obj.dapple.color_image = bpy.data.images.new("Tinted", 4, 4, tiled=True)
+    said = "Of the UDIM tiles of 'Tinted' only the first one counts"
+    assert said not in " ".join(test_panels.drawn())  # there is one
+    image.tiles.new(tile_number=1002)
+    assert said in " ".join(test_panels.drawn())
+
+
 def test_each_object_type_and_each_frame_of_a_bake_has_it():
     surface = scenes.tail(levels=0, render_levels=0)
     ramp(surface)
