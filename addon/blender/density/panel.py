@@ -250,8 +250,8 @@ def lacks_brush(tool: str, brush: bpy.types.Brush | None) -> bool:
 
 
 def _draw_weight(layout: bpy.types.UILayout, tools: bpy.types.ToolSettings) -> None:
-    """Draw the weight of strokes, from the brush or shared by all brushes; Blender 5 moved the
-    latter.
+    """Draw weight and strength of strokes, from the brush or shared by all brushes; Blender 5 moved
+    the latter.
     """
     brush, kept = tools.weight_paint.brush, tools.weight_paint
     if not hasattr(kept, "unified_paint_settings"):
@@ -260,3 +260,8 @@ def _draw_weight(layout: bpy.types.UILayout, tools: bpy.types.ToolSettings) -> N
     owner = shared if shared.use_unified_weight else brush
     if owner is not None:  # another kind of tool has no brush
         layout.prop(owner, "weight", slider=True)
+    if brush is not None:
+        row = layout.row(align=True)
+        owner = shared if shared.use_unified_strength else brush
+        row.prop(owner, "strength", slider=True)
+        row.prop(brush, "use_pressure_strength", text="", icon="STYLUS_PRESSURE")

@@ -145,6 +145,41 @@ def test_points_follow_a_stroke_while_one_paints(obj):
         assert "% of ideal, up to date" in " ".join(test_panels.drawn())
 
 
+def test_pen_pressure_and_airbrush_stay_as_they_are(obj):
+    """Painting enters and leaves the mode; what the brush does is the artist's."""
+    brush = bpy.data.brushes.new("Own", mode="WEIGHT_PAINT")
+    brush.use_pressure_strength, brush.stroke_method, brush.strength = True, "AIRBRUSH", 0.3
+    paint("paint_density")
+    used = bpy.context.tool_settings.weight_paint.brush or brush
+    for one in (used, brush):
+        one.use_pressure_strength, one.stroke_method = True, "AIRBRUSH"
+    paint("finish_painting")
+    paint("paint_density")
+    for one in (used, brush):
+        assert (one.use_pressure_strength, one.stroke_method) == (True, "AIRBRUSH")
+    assert brush.strength == pytest.approx(0.3)
+
+
+def test_points_wait_for_the_end_of_an_airbrush_stroke(obj, monkeypatch):
+    """It goes on changing weights while the mouse rests, in one running stroke."""
+    activity = addon_host.part("blender.base.activity")
+    obj.dapple.auto_update_mode = "ON"
+    with following.driven() as live:
+        paint("paint_density")
+        live.settle()
+        before = above(obj)
+        monkeypatch.setattr(activity, "is_painting", lambda: True)
+        for weight in (0.4, 0.2, 0.0):
+            upper_half(obj.dapple.surface, weight)
+            for _ in range(3):
+                live.look()
+                live.clock.rest()
+            assert above(obj) == before
+        monkeypatch.undo()
+        assert live.settle() >= 1
+        assert above(obj) == 0
+
+
 def test_what_was_asked_for_is_called_so_while_one_paints(live, obj):
     paint("paint_density")
     live.watcher.request(obj)
@@ -177,7 +212,7 @@ def test_the_panel_goes_on_showing_the_scatter(obj):
     assert {"dapple.finish_painting", "count", "auto_update"} <= set(shown)
     # some versions of Blender have no brush
     if bpy.context.tool_settings.weight_paint.brush is not None:
-        assert "weight" in shown
+        assert {"weight", "strength", "use_pressure_strength"} <= set(shown)
     assert "dapple.add_scatter" not in shown
     assert f"Painting the density of '{obj.name}'" in " ".join(shown)
     obj.dapple.surface.vertex_groups.new(name="Else")
