@@ -19,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 window = importlib.import_module("blend_examples.window")
 scenery = importlib.import_module("blend_examples.manual_scene")
+hand = importlib.import_module("hand")
 
 QUALITY = 84  # of a picture, 1 to 100
 GAP = 12
@@ -39,6 +40,7 @@ def story() -> Story:
     yield from first_minutes(things)
     yield from painting(ground)
     yield from object_types(things)
+    yield from spraying()
     yield from characters()
 
 
@@ -106,6 +108,24 @@ def object_types(things: dict[str, bpy.types.Object]) -> Story:
     yield from until_told()
     yield from scene_shot("object_types")
     yield from panel_shot("panel-1")
+
+
+def spraying() -> Story:
+    """Flowers between the trees; the picture is taken in the middle of a stroke."""
+    bpy.context.object.dapple.object_type_index = 2
+    with window.window():
+        bpy.ops.wm.tool_set_by_id(name="dapple.spray")
+    tool = bpy.context.workspace.tools.from_space_view3d_mode("OBJECT")
+    brush = tool.operator_properties("dapple.spray_points")
+    brush.radius, brush.spacing = 4.0, 0.35
+    window.only(("placement",))
+    yield from until_told()
+    area = window.view()[0]
+    way = [(area.x + 300 + 12 * k, area.y + 330 + 3 * k) for k in range(12)]
+    yield from hand.Hand().drag(way, before_release=lambda: scene_shot("spray"))
+    yield from until_told()
+    with window.window():
+        bpy.ops.wm.tool_set_by_id(name="builtin.select_box")
 
 
 def characters() -> Story:

@@ -25,7 +25,7 @@ from .export import operators as export_operators
 from .freshness import findings, unfinished_bakes
 from .hair import operators as hair_operators
 from .hand_points import operators as hand_points_operators
-from .hand_points import tool
+from .hand_points import spray_operators, tool
 from .object_types import operators as object_types_operators
 from .presets import operators as presets_operators
 from .remesh import operators as remesh_operators
@@ -48,6 +48,7 @@ _WITH_CLASSES: tuple[Any, ...] = (
         object_types_operators,
         density_operators,
         hand_points_operators,
+        spray_operators,
         tool,
         scatter_list,
         assets_operators,

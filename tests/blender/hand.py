@@ -39,12 +39,15 @@ class Hand:
         self.clicks += 1
 
     def drag(
-        self, places: list[tuple[float, float]], before_release: Callable[[], Story] = tuple
+        self,
+        places: list[tuple[float, float]],
+        before_release: Callable[[], Story] = tuple,
+        ctrl: bool = False,
     ) -> Story:
         """Drag along these places with the button held; counts as one click."""
         yield from self.move(*places[0])
         yield from self.move(*places[0])  # later events go to the region under the pointer
-        self._mouse("PRESS", places[0])
+        self._mouse("PRESS", places[0], ctrl)
         yield
         for place in places:
             yield from self.move(*place)
@@ -61,8 +64,8 @@ class Hand:
         up = goal.y + 0.5 * goal.height - y
         yield from self.drag([(x + k / 40 * right, y + k / 40 * up) for k in range(41)])
 
-    def _mouse(self, value: str, place: tuple[float, float]) -> None:
-        window().event_simulate("LEFTMOUSE", value, x=int(place[0]), y=int(place[1]))
+    def _mouse(self, value: str, place: tuple[float, float], ctrl: bool = False) -> None:
+        window().event_simulate("LEFTMOUSE", value, x=int(place[0]), y=int(place[1]), ctrl=ctrl)
 
     def press(self, key: str, x: float, y: float) -> Story:
         yield from self.move(x, y)

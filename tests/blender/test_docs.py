@@ -14,7 +14,13 @@ import scenes
 DOCS = Path(__file__).parents[2] / "docs"
 MANUAL = sorted((DOCS / "manual").glob("*.md"))
 # Operators, panels and assets of Blender itself.
-BLENDERS_OWN = {"Adjust Last Operation", "Compress", "Interpolate Hair Curves", "Save As"}
+BLENDERS_OWN = {
+    "Adjust Last Operation",
+    "Airbrush",
+    "Compress",
+    "Interpolate Hair Curves",
+    "Save As",
+}
 TEXT, OPTIONS = [(DOCS / name).read_text() for name in ("add-on.md", "options.md")]
 SCRIPTS = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 
@@ -44,9 +50,15 @@ def test_the_script_for_assets_runs(tmp_path, monkeypatch):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
     scenes.sphere().name = "Ground"
-    (script,) = SCRIPTS[1:]
+    (script,) = SCRIPTS[2:]
     exec(script, {"bpy": bpy})
     assert bpy.data.objects["Meadow Scatter Asset"].dapple.report.count == 50
+
+
+def test_the_script_for_the_spray_brush_runs():
+    obj = scenes.scattered(scenes.sphere(), count=200)
+    exec(SCRIPTS[1], {"bpy": bpy})
+    assert obj.dapple.locked_count == obj.dapple.count - 200 > 10
 
 
 def test_the_script_for_exports_runs(tmp_path):

@@ -36,6 +36,7 @@ _OPERATORS = (
     *("edit_points", "finish_editing_points", "place_point", "add_point", "move_point"),
     *(
         "remove_point",
+        "spray_points",
         "lock_points",
         "edit_object_types",
         "select_overlap",
@@ -77,6 +78,10 @@ def an_operator(chance, folder):
         "add_point": {"location": place, "object_type": chance.choice([0, 1, 100])},
         "move_point": {"location": place, "id": chance.choice([0, 3, 10**6])},
         "remove_point": {"id": chance.choice([0, 5, 10**6])},
+        "spray_points": {
+            "stroke": [{"name": "", "location": place, "pressure": 1.0}],
+            **{"spacing": chance.choice([0.3, 1.0]), "remove": chance.random() < 0.3},
+        },
         "lock_points": {"lock_points": chance.random() < 0.5, "every": chance.random() < 0.5},
         "edit_object_types": {"action": chance.choice(["ADD", "ADD", "REMOVE", "UP", "DOWN"])},
         "delete_keyframes": {"action": chance.choice(["OPTIMIZE", "REATTACH"])},

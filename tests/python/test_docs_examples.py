@@ -35,7 +35,7 @@ RUN = {
         "sh": (1, "test_distribution.py installs what is built"),
         "python": (1, "test_module.py"),
     },
-    "docs/add-on.md": {"python": (2, "tests/blender/test_docs.py")},
+    "docs/add-on.md": {"python": (3, "tests/blender/test_docs.py")},
     "docs/command-line.md": {"console": (3, "here")},
     "docs/export.md": {
         "sh": (1, "here"),

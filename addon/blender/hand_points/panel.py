@@ -12,6 +12,7 @@ from ..object_types.panel import active_type
 from ..scatter.panel import ScatterPanel
 from .editing import edited_scatter
 from .operators import DAPPLE_OT_edit_points, DAPPLE_OT_finish_editing_points, DAPPLE_OT_lock_points
+from .spray_tool import DAPPLE_TOOL_spray
 from .tool import DAPPLE_TOOL_points
 
 _DIRECTION = ("align_to_normal", "random_turn", "random_tilt", "lean_apart", "offset")
@@ -59,10 +60,13 @@ class DAPPLE_PT_placement(ScatterPanel, bpy.types.Panel):
 
 
 def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    row = layout.row(align=True)
-    row.operator(DAPPLE_OT_edit_points.bl_idname, icon="EDITMODE_HLT")
+    column = layout.column(align=True)
+    column.operator(DAPPLE_OT_edit_points.bl_idname, icon="EDITMODE_HLT")
+    row = column.row(align=True)
     tool = row.operator("wm.tool_set_by_id", text="Point Tool", icon="RESTRICT_SELECT_OFF")
     tool.name = DAPPLE_TOOL_points.bl_idname
+    tool = row.operator("wm.tool_set_by_id", text="Spray Tool", icon="BRUSH_DATA")
+    tool.name = DAPPLE_TOOL_spray.bl_idname
     row = layout.row(align=True)
     lock = row.operator(
         DAPPLE_OT_lock_points.bl_idname, text="Lock Selected", text_ctxt=OWN, icon="LOCKED"

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adding, moving and removing single points."""
 
+from collections.abc import Iterable, Sequence
+
 import bmesh
 import bpy
 import numpy as np
 
 from ...core.base.errors import ScatterError
-from ...core.surface.arrays import Floats
-from ..base.mesh_arrays import to_local
+from ...core.surface.arrays import Floats, Ints
+from ..base.mesh_arrays import read_points, to_local
 from ..scatter.linked_data import own_mesh
 from ..scatter.object import surface_of
 from ..scatter.points import point_columns_of
@@ -18,15 +20,22 @@ from .hand_placed import take_in
 
 def add_point(obj: bpy.types.Object, place: Floats, kind: int) -> int:
     """Add a point of an object type at the nearest place of the surface; returns its id."""
-    mesh, row = own_mesh(obj), len(obj.data.vertices)
-    mesh.vertices.add(1)
-    mesh.vertices[row].co = to_local(obj, place[None])[0]
+    (identity,) = add_points(obj, place[None], kind)
+    return int(identity)
+
+
+def add_points(obj: bpy.types.Object, places: Floats, kind: int) -> Ints:
+    """The same for several places (k, 3); returns the ids (k,)."""
+    mesh, there = own_mesh(obj), len(obj.data.vertices)
+    local = np.concatenate([read_points(mesh), to_local(obj, places)])
+    mesh.vertices.add(len(places))
+    mesh.vertices.foreach_set("co", local.astype(np.float32).ravel())
     try:
-        take_in(obj, np.zeros(row + 1, dtype=bool), kind)
+        take_in(obj, np.zeros(len(local), dtype=bool), kind)
     except ScatterError:
-        _remove(obj, [row])
+        _remove(obj, range(there, len(local)))
         raise
-    return int(point_columns_of(obj)["id"][row])
+    return point_columns_of(obj)["id"][there:]
 
 
 def nearest_point(obj: bpy.types.Object, place: Floats, within: float) -> int | None:
@@ -57,11 +66,15 @@ def move_point(obj: bpy.types.Object, identity: int, place: Floats) -> None:
 
 def remove_point(obj: bpy.types.Object, identity: int) -> None:
     """Remove a point."""
-    row = _row_of(obj, identity)
+    remove_points(obj, [_row_of(obj, identity)])
+
+
+def remove_points(obj: bpy.types.Object, rows: Sequence[int]) -> None:
+    """Remove the points of these rows."""
     surface = surface_of(obj)
     arrays = read(surface)
-    lost = binding_now(obj, surface, arrays).positions(arrays.vertices)[[row]]
-    _remove(obj, [row])
+    lost = binding_now(obj, surface, arrays).positions(arrays.vertices)[rows]
+    _remove(obj, rows)
     take_in(obj, np.zeros(len(obj.data.vertices), dtype=bool), lost=lost)
 
 
@@ -72,7 +85,7 @@ def _row_of(obj: bpy.types.Object, identity: int) -> int:
     return int(found[0])
 
 
-def _remove(obj: bpy.types.Object, rows: list[int]) -> None:
+def _remove(obj: bpy.types.Object, rows: Iterable[int]) -> None:
     edited = bmesh.new()
     edited.from_mesh(obj.data)
     edited.verts.ensure_lookup_table()

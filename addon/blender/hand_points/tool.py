@@ -16,6 +16,7 @@ from ..solve import auto_update
 from ..surface.polls import editable
 from .picking import place_under_mouse
 from .single_points import add_point, move_point, nearest_point, remove_point
+from .spray_tool import DAPPLE_TOOL_spray
 
 _GRAB, _REMOVE = 0.35, 1.0  # distances in spacings within which a point is under the mouse
 _STILL = 3  # pixels by which the mouse may move during a click
@@ -124,7 +125,7 @@ class DAPPLE_TOOL_points(bpy.types.WorkSpaceTool):
 
 
 def register() -> None:
-    """Add the tool, if there are windows."""
+    """Add the tools, if there are windows."""
     if not bpy.app.background:
         add_tool()
 
@@ -132,10 +133,12 @@ def register() -> None:
 def add_tool() -> None:
     bpy.utils.register_tool(DAPPLE_TOOL_points, separator=True)
     _added.append(DAPPLE_TOOL_points)
+    bpy.utils.register_tool(DAPPLE_TOOL_spray, after={DAPPLE_TOOL_points.bl_idname})
+    _added.append(DAPPLE_TOOL_spray)
 
 
 def unregister() -> None:
-    """Remove the tool."""
+    """Remove the tools."""
     while _added:
         bpy.utils.unregister_tool(_added.pop())
 

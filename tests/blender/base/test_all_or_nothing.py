@@ -177,6 +177,10 @@ EXPORT, SOLVE = "blender.export.operators", "blender.solve"
 TYPES = "blender.object_types.operators"
 DENSITY = "blender.density.operators"
 FIRST = {"name": "Sphere Scatter"}
+SPRAY = {
+    "stroke": [{"name": "", "location": (0.0, 0.0, 1.0), "pressure": 1.0}],
+    "spacing": 0.3,
+}
 TO_KEYS = {"count": 150, "animation": "SHAPE_KEYS", "frame_start": 1, "frame_end": 3}
 # Operator, its properties, preparation, and the last step as a module and a name in it.
 CASES = [
@@ -222,6 +226,9 @@ CASES = [
     ("add_point", {"location": (0, 0, 1)}, two_types, f"{HAND}.hand_placed.follow_count"),
     ("move_point", {"id": 3}, scattered, f"{HAND}.operators.move_point"),
     ("remove_point", {"id": 3}, scattered, f"{HAND}.operators.remove_point"),
+    ("spray_points", SPRAY, scattered, f"{HAND}.spraying.add_points"),
+    ("spray_points", SPRAY, two_types, f"{HAND}.hand_placed.follow_count"),
+    ("spray_points", SPRAY | {"remove": True}, at_rest, f"{HAND}.spraying.remove_points"),
     ("paint_density", {}, scattered, f"{DENSITY}.begin_painting"),
     ("paint_density", {}, with_group, f"{DENSITY}.begin_painting"),
     ("paint_blocked_areas", {}, scattered, f"{DENSITY}.begin_painting"),
@@ -256,6 +263,7 @@ CASES = [
 ]  # fmt: skip
 APART = {
     "pull_point": "needs a mouse; test_single_points.py",
+    "resize_spray_brush": "needs a window; window_spray.py",
     "cancel_update": "writes nothing",
     "hide_message": "writes nothing",
     "add_asset_library": "the preferences; test_assets.py",
@@ -393,6 +401,7 @@ SPOILT = [
 TRIED = [
     *(("optimize", {}), ("reattach", {}), ("bake", {}), ("make_tiles", {}), ("clear_bake", {})),
     *(("add_point", {"location": (0.0, 0.0, 1.0)}), ("move_point", {"id": 3})),
+    *(("spray_points", SPRAY), ("spray_points", SPRAY | {"remove": True})),
     *(
         ("remove_point", {"id": 3}),
         ("edit_points", {}),
@@ -457,12 +466,12 @@ def works(name, obj, count):
     mesh = obj.data
     if obj.mode == "OBJECT":
         wanted = count + {"add_point": 1, "remove_point": -1}.get(name, 0)
-        assert len(mesh.vertices) == wanted
+        assert len(mesh.vertices) == wanted or name == "spray_points"
         ids = [one.value for one in mesh.attributes["id"].data]
         assert len(set(ids)) == len(ids)
         places = np.array([vertex.co for vertex in mesh.vertices])
         assert np.isfinite(places).all()
-    if name in {"add_point", "remove_point"} and obj.dapple.amount == "COUNT":
+    if name in {"add_point", "remove_point", "spray_points"} and obj.dapple.amount == "COUNT":
         assert obj.dapple.report.count == len(mesh.vertices)
 
 

@@ -13,7 +13,6 @@ import pressing
 import pytest
 import scenes
 from contents import reason
-from mathutils import Vector
 from test_keep_points import stored
 
 
@@ -162,16 +161,17 @@ def test_what_extruding_and_a_click_make_are_points(obj):
 
 
 def test_a_ray_meets_the_surface_alone(obj):
-    picking, vector = addon_host.part("blender.hand_points.picking"), Vector
-    surface = obj.dapple.surface
+    rays = addon_host.part("blender.hand_points.picking").Rays
+    down, surface = np.array((0.0, 0.0, -1.0)), obj.dapple.surface
     surface.location.x = 1.0
     bpy.context.view_layer.update()
-    there = picking.ray_hit(surface, vector((1.01, 0.02, 5.0)), vector((0.0, 0.0, -1.0)))
-    np.testing.assert_allclose(there, [1.01, 0.02, 1.0], atol=0.01)
-    assert picking.ray_hit(surface, vector((3.0, 0.0, 5.0)), vector((0.0, 0.0, -1.0))) is None
+    there = rays(surface).first(np.array((1.01, 0.02, 5.0)), down)
+    np.testing.assert_allclose(there.place, [1.01, 0.02, 1.0], atol=0.01)
+    np.testing.assert_allclose(there.normal, [0.0, 0.0, 1.0], atol=0.1)
+    assert rays(surface).first(np.array((3.0, 0.0, 5.0)), down) is None
     bpy.ops.surface.primitive_nurbs_surface_sphere_add()
-    ball = bpy.context.object
-    assert picking.ray_hit(ball, vector((0.1, 0.1, 5.0)), vector((0.0, 0.0, -1.0)))[2] > 0.5
+    ball = rays(bpy.context.object)
+    assert ball.first(np.array((0.1, 0.1, 5.0)), down).place[2] > 0.5
 
 
 def test_nothing_edited_changes_nothing(obj):
