@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Does six tasks in a real window, on Debian 13, and counts clicks and seconds: build/tasks/.
+# Does nine tasks in a real window, on Debian 13, and counts clicks and seconds: build/tasks/.
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
 [ "$(system_name)" = debian-13 ] || fail 'a window needs a Blender program, which Debian ships from 13 (trixie) on'
