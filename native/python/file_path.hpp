@@ -27,14 +27,16 @@ struct type_caster<dapple::python::FilePath> {
     const auto text = checked(PyOS_FSPath(source.ptr()));
     PyObject* native = nullptr;
 #ifdef _WIN32
-    if (!PyUnicode_FSDecoder(text.ptr(), static_cast<void*>(&native))) throw error_already_set();
+    if (!PyUnicode_FSDecoder(text.ptr(), reinterpret_cast<void*>(&native)))
+      throw error_already_set();
     const auto owner = reinterpret_steal<object>(native);
     wchar_t* const wide = PyUnicode_AsWideCharString(native, nullptr);
     if (!wide) throw error_already_set();
     value.path = wide;
     PyMem_Free(wide);
 #else
-    if (!PyUnicode_FSConverter(text.ptr(), static_cast<void*>(&native))) throw error_already_set();
+    if (!PyUnicode_FSConverter(text.ptr(), reinterpret_cast<void*>(&native)))
+      throw error_already_set();
     value.path = checked(native).cast<bytes>().operator std::string();
 #endif
     return true;
