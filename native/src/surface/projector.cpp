@@ -1,120 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/errors.hpp>
-#include <dapple/projector.hpp>
-
-#include "surface/ordered_surface.hpp"
-
-#if DAPPLE_EMBREE_MAJOR >= 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
 #include <algorithm>
 #include <cmath>
+#include <dapple/errors.hpp>
+#include <dapple/projector.hpp>
 #include <limits>
 
-#include "base/hand_over.hpp"
 #include "base/parallel.hpp"
-#include "base/progress.hpp"
-#include "base/sort_unique.hpp"
 #include "base/triangle.hpp"
 #include "base/validate.hpp"
+#include "surface/embree_scene.hpp"
 #include "surface/validate_surface.hpp"
 
 namespace dapple {
 namespace {
 
-// Embree stores the surface in single precision, scaled to [-1, 1]. The error of a coordinate is at
-// most 2^-24, that of a distance a few times as much. All faces within this margin of the best
-// distance are compared in double precision.
-constexpr double kMargin = 2e-6;
-constexpr double kFirst = 2.0 * kMargin;  // where rays begin
-// Distance from the center, in sizes of the surface, beyond which only the direction of a point
-// matters.
-constexpr double kFar = 1e12;
-constexpr std::size_t kGrain = 65536;  // faces or vertices between two checks
-// A surface whose faces are smaller than this number of margins is split at gaps, because Embree
-// could not distinguish faces of one part.
-constexpr double kFine = 50.0;
-constexpr double kGap = 0.25;     // of the length along which it is split
-constexpr std::size_t kFew = 64;  // faces: up to this number, all are tested one by one
-
-/// \param device null for errors in its creation
-/// \throw Cancelled if Embree was stopped; std::bad_alloc, std::runtime_error for other failures
-void check_error(RTCDevice device) {
-  const RTCError error = rtcGetDeviceError(device);
-  if (error == RTC_ERROR_CANCELLED) throw Cancelled();
-  // If one of Embree's threads throws, the others report an unknown error.
-  if (error == RTC_ERROR_OUT_OF_MEMORY || error == RTC_ERROR_UNKNOWN) throw std::bad_alloc();
-  if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree could not take the surface");
-}
-
-/// Owns an object of Embree and releases it.
-template <typename T, void (*Release)(T)>
-class Handle {
- public:
-  /// \param device the device that created it; null for a device itself
-  explicit Handle(T handle, RTCDevice device = nullptr) : handle_(handle) {
-    if (handle_) return;
-    check_error(device);
-    throw std::runtime_error("Embree could not be set up");
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() { Release(handle_); }
-  [[nodiscard]] T get() const { return handle_; }
-
- private:
-  T handle_;
-};
-
-}  // namespace
-
-struct Projector::Scene {
-  /// A part of the faces, which Embree stores relative to the center of the part.
-  struct Part {
-    Part(const Scene& scene, std::vector<OrderedFace> faces, const Eigen::AlignedBox3d& box);
-
-    [[nodiscard]] Vec3 to_unit(const Vec3& p) const { return (p - center) / scale; }
-    [[nodiscard]] double squared_distance(const Vec3& p, double unit) const {
-      return (unit * (low - p).cwiseMax(p - high).cwiseMax(0.0)).squaredNorm();
-    }
-    void attach_triangles(const Scene& scene, const Context* context);
-    void build(const Scene& scene, const Context* context);
-
-    std::vector<OrderedFace> faces;  // by Embree's index
-    Handle<RTCScene, rtcReleaseScene> handle;
-    Vec3 low, high, center;
-    double scale = 0.0;
-  };
-
-  Scene(const Surface& s, bool support_only, const Context* context);
-
-  [[nodiscard]] Vec3 within_reach(const Vec3& p) const;
-  void find_faces(bool support_only, const Context* context);
-  void find_size(const Context* context);
-  void split(std::vector<OrderedFace> some, const Context* context);
-  void split(std::vector<OrderedFace> some, const Eigen::AlignedBox3d& box, const Context* context);
-  void add_part(std::vector<OrderedFace> some, const Eigen::AlignedBox3d& box,
-                const Context* context);
-  [[nodiscard]] double mean_area(std::span<const OrderedFace> some) const;
-  [[nodiscard]] bool is_fine(double area, double length) const;
-
-  Surface surface;
-  std::vector<OrderedFace> faces;  // of all parts
-  Handle<RTCDevice, rtcReleaseDevice> device{rtcNewDevice(nullptr)};
-  std::vector<std::unique_ptr<Part>> parts;
-  Eigen::AlignedBox3d box;
-  Vec3 center;
-  double scale;
-  double factor;  // a power of two, about 1 / scale: squares of scaled lengths do not overflow
-};
-
-namespace {
+constexpr double kFirst = 2.0 * kEmbreeMargin;  // where rays begin
 
 float search_radius(double distance, double scale) {
-  return static_cast<float>(distance / scale * (1.0 + kMargin) + kMargin);
+  return static_cast<float>(distance / scale * (1.0 + kEmbreeMargin) + kEmbreeMargin);
 }
 
 /// The best candidate so far for one query point.
@@ -204,208 +107,7 @@ bool gather(RTCPointQueryFunctionArguments* arguments) noexcept {
   return false;
 }
 
-/// Data for Embree's threads while they build its tree.
-struct Watch {
-  const Context* context;
-  Poll* poll = Poll::current();
-  HandOver all = {};
-};
-
-/// Checks for cancellation in any of Embree's threads. No exception may pass through Embree, not
-/// even std::bad_alloc from the creation of the exception that reports the cancellation.
-bool go_on(void* given, double) noexcept {
-  Watch& watch = *static_cast<Watch*>(given);
-  const HandOver::Part part(watch.all);
-  const Poll::Share share(watch.poll);
-  try {
-    check_context(watch.context);
-    return true;
-  } catch (...) {
-    return false;
-  }
-}
-
 }  // namespace
-
-Projector::Scene::Scene(const Surface& s, bool support_only, const Context* context) : surface(s) {
-  find_faces(support_only, context);
-  find_size(context);
-  const double mean = surface.area() / static_cast<double>(surface.face_count());
-  if (is_fine(mean, 2.0 * scale))
-    add_part(faces, box, context);
-  else
-    split(faces, context);
-}
-
-void Projector::Scene::find_faces(bool support_only, const Context* context) {
-  for (std::size_t f = 0; f < surface.face_count(); ++f) {
-    check_at(context, f, kGrain);
-    if (!surface.ordered().counts(nth_face(f))) continue;
-    if (!support_only || surface.ordered().geometry(nth_face(f)).moments.capacity > 0.0)
-      faces.push_back(nth_face(f));
-  }
-}
-
-void Projector::Scene::find_size(const Context* context) {
-  for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
-    check_at(context, k, kGrain);
-    box.extend(surface.ordered().vertex(static_cast<std::int32_t>(k)));
-  }
-  center = 0.5 * (box.min() + box.max());
-  scale = 0.5 * box.sizes().maxCoeff();  // positive, because a surface has area
-  factor = std::ldexp(1.0, -std::ilogb(scale));
-}
-
-namespace {
-
-Eigen::AlignedBox3d box_of(const Surface& surface, OrderedFace face) {
-  Eigen::AlignedBox3d box;
-  for (const std::int32_t v : surface.ordered().corners(face))
-    box.extend(surface.ordered().vertex(v));
-  return box;
-}
-
-/// The middle of the largest gap along an axis; NaN if no gap is large enough.
-double gap_along(const Surface& surface, std::span<const OrderedFace> faces, Eigen::Index axis,
-                 double least) {
-  std::vector<std::pair<double, double>> spans;
-  for (const OrderedFace face : faces) {
-    const Eigen::AlignedBox3d box = box_of(surface, face);
-    spans.emplace_back(box.min()[axis], box.max()[axis]);
-  }
-  std::sort(spans.begin(), spans.end());
-  double place = std::numeric_limits<double>::quiet_NaN();
-  double end = spans.front().second;
-  for (const auto& [low, high] : spans) {
-    if (low - end > least) {
-      least = low - end;
-      place = end + 0.5 * least;
-    }
-    end = std::max(end, high);
-  }
-  return place;
-}
-
-}  // namespace
-
-/// Splits the surface at gaps into parts small enough for single precision.
-void Projector::Scene::split(std::vector<OrderedFace> some, const Context* context) {
-  check_context(context);
-  Eigen::AlignedBox3d around;
-  for (const OrderedFace face : some) around.extend(box_of(surface, face));
-  split(std::move(some), around, context);
-}
-
-void Projector::Scene::split(std::vector<OrderedFace> some, const Eigen::AlignedBox3d& around,
-                             const Context* context) {
-  Eigen::Index axis = 0;
-  const double length = around.sizes().maxCoeff(&axis);
-  double place = std::numeric_limits<double>::quiet_NaN();
-  if (some.size() > kFew && !is_fine(mean_area(some), length))
-    place = gap_along(surface, some, axis, kGap * length);
-  if (!std::isfinite(place)) return add_part(std::move(some), around, context);
-  std::vector<OrderedFace> before, after;
-  for (const OrderedFace face : some)
-    (box_of(surface, face).min()[axis] < place ? before : after).push_back(face);
-  split(std::move(before), context);
-  split(std::move(after), context);
-}
-
-void Projector::Scene::add_part(std::vector<OrderedFace> some, const Eigen::AlignedBox3d& around,
-                                const Context* context) {
-  parts.push_back(std::make_unique<Part>(*this, std::move(some), around));
-  parts.back()->attach_triangles(*this, context);
-  parts.back()->build(*this, context);
-}
-
-double Projector::Scene::mean_area(std::span<const OrderedFace> some) const {
-  double sum = 0.0;
-  for (const OrderedFace face : some) sum += surface.ordered().geometry(face).moments.area;
-  return sum / static_cast<double>(some.size());
-}
-
-/// Whether faces of that area are large enough to be distinguished in a part of that length.
-bool Projector::Scene::is_fine(double area, double length) const {
-  return kFine * kMargin * factor * length <= factor * std::sqrt(area);
-}
-
-Projector::Scene::Part::Part(const Scene& scene, std::vector<OrderedFace> some,
-                             const Eigen::AlignedBox3d& box)
-    : faces(std::move(some)),
-      handle(rtcNewScene(scene.device.get()), scene.device.get()),
-      low(box.min()),
-      high(box.max()),
-      center(0.5 * (low + high)),
-      scale(0.5 * (high - low).maxCoeff()) {
-  if (!(scale > 0.0)) scale = scene.scale;  // if all vertices coincide
-}
-
-void Projector::Scene::Part::build(const Scene& scene, const Context* context) {
-  Watch watch{context};
-  const bool asked = context || watch.poll;
-  if (asked) rtcSetSceneProgressMonitorFunction(handle.get(), go_on, &watch);
-  rtcCommitScene(handle.get());
-  if (asked) {
-    rtcSetSceneProgressMonitorFunction(handle.get(), nullptr, nullptr);
-    check_context(context);
-  }
-  check_error(scene.device.get());
-}
-
-/// Replaces a point that is too far away for single precision by a nearer one in the same
-/// direction.
-Vec3 Projector::Scene::within_reach(const Vec3& p) const {
-  const Vec3 way = p - center;
-  const double most = way.cwiseAbs().maxCoeff();
-  return most <= kFar * scale ? p : Vec3(center + kFar * scale * (way / most));
-}
-
-template <typename T>
-T* buffer_of(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::size_t count) {
-  void* memory = rtcSetNewGeometryBuffer(geometry, type, 0, format, 3 * sizeof(T), count);
-  if (!memory) throw std::bad_alloc();
-  return static_cast<T*>(memory);
-}
-
-/// The vertices of some faces in order, without duplicates.
-std::vector<std::int32_t> vertices_of(const Surface& surface, std::span<const OrderedFace> faces) {
-  std::vector<std::int32_t> result;
-  for (const OrderedFace face : faces)
-    for (const std::int32_t v : surface.ordered().corners(face)) result.push_back(v);
-  sort_unique(result);
-  return result;
-}
-
-/// Attaches the triangles of a part. If it has all faces, the vertices are used unchanged.
-void Projector::Scene::Part::attach_triangles(const Scene& scene, const Context* context) {
-  const OrderedSurface& mesh = scene.surface.ordered();
-  const bool whole = faces.size() == scene.faces.size();
-  const Handle<RTCGeometry, rtcReleaseGeometry> geometry{
-      rtcNewGeometry(scene.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE), scene.device.get()};
-  const RTCGeometry triangles = geometry.get();
-  const std::vector<std::int32_t> some =
-      whole ? std::vector<std::int32_t>() : vertices_of(scene.surface, faces);
-  const std::size_t count = whole ? scene.surface.vertex_count() : some.size();
-  auto* x = buffer_of<float>(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, count);
-  for (std::size_t k = 0; k < count; ++k) {
-    check_at(context, k, kGrain);
-    const Vec3 unit = to_unit(mesh.vertex(whole ? static_cast<std::int32_t>(k) : some[k]));
-    for (Eigen::Index axis = 0; axis < 3; ++axis)
-      x[3 * k + static_cast<std::size_t>(axis)] = float(unit[axis]);
-  }
-  const auto number = [&](std::int32_t v) {
-    return static_cast<unsigned>(
-        whole ? v : std::lower_bound(some.begin(), some.end(), v) - some.begin());
-  };
-  auto* index =
-      buffer_of<unsigned>(triangles, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    check_at(context, f, kGrain);
-    for (std::size_t k = 0; k < 3; ++k) index[3 * f + k] = number(mesh.corners(faces[f])[k]);
-  }
-  rtcCommitGeometry(triangles);
-  rtcAttachGeometry(handle.get(), triangles);
-}
 
 Projector::Projector(const Surface& surface, bool support_only, const Context* context)
     : scene_(std::make_unique<Scene>(surface, support_only, context)) {}
@@ -440,7 +142,7 @@ void look_everywhere(const Parts& parts, Query& query) {
   look_in(**first, query);
   for (auto part = parts.begin(); part != parts.end(); ++part)
     if (part != first && (*part)->squared_distance(query.point, query.factor) <=
-                             query.squared_distance * (1.0 + kMargin))
+                             query.squared_distance * (1.0 + kEmbreeMargin))
       look_in(**part, query);
 }
 
@@ -482,7 +184,7 @@ namespace {
 template <typename Part>
 void gather_in(const Part& part, Gathering& query) {
   query.faces = &part.faces;
-  const Vec3 unit = part.to_unit(query.point).cwiseMax(-kFar).cwiseMin(kFar);
+  const Vec3 unit = part.to_unit(query.point).cwiseMax(-kEmbreeFar).cwiseMin(kEmbreeFar);
   RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f,
                        search_radius(query.radius, part.scale)};
   RTCPointQueryContext context;
@@ -547,7 +249,7 @@ struct Hit {
 template <typename Part>
 bool meets_box(const Part& part, const Ray& ray, double length) {
   double first = 0.0, last = length;
-  const double slack = 2.0 * kMargin * part.scale;
+  const double slack = 2.0 * kEmbreeMargin * part.scale;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const double low = part.low[axis] - slack - ray.origin[axis];
     const double high = part.high[axis] + slack - ray.origin[axis];
