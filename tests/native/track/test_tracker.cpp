@@ -13,27 +13,10 @@
 #include "invariants.hpp"
 #include "shapes.hpp"
 #include "throws.hpp"
+#include "tracked_body.hpp"
 
 namespace dapple::test {
 namespace {
-
-constexpr std::size_t kCount = 400;
-
-Shape body() {
-  return with_density(blob(4), [](const Vec3& p) { return 1.3 + 0.5 * p.z(); });
-}
-
-Tracker tracker_of(const Shape& shape, std::size_t count = kCount, TrackerOptions options = {}) {
-  const Surface surface = shape.surface();
-  return Tracker(surface, sample(surface, count), options);
-}
-
-/// Compare everything except times.
-void expect_untouched(const Tracker& tracker, const Samples& before,
-                      const std::vector<Vec3>& vertices) {
-  EXPECT_TRUE(same_bytes(tracker.samples(), before));
-  EXPECT_TRUE(same_bytes(tracker.surface().vertices(), vertices));
-}
 
 class TrackerOn : public testing::TestWithParam<Shape> {};
 
@@ -342,7 +325,7 @@ TEST(Tracker, BeginsFromStoredBindings) {
   EXPECT_TRUE(same_bytes(one.advance(next), two.advance(next)));
 }
 
-// ---- parts, memory, stickiness ----
+// ---- parts ----
 
 Vec3 swollen(const Vec3& p, double share) {
   return p * (1.0 + 0.5 * share * std::exp(-4.0 * (p - Vec3(1, 0, 0)).squaredNorm()));
@@ -375,199 +358,6 @@ TEST(Tracker, DoesNotSplitMovingAsAWhole) {
   Tracker tracker = tracker_of(shape);
   const auto move = [](const Vec3& p) { return Vec3(rotated(p, 1.9) + Vec3(30, 0, -10)); };
   EXPECT_EQ(tracker.advance(mapped(shape, move).vertices).report.parts, 1);
-}
-
-/// A body whose middle is stretched to three times its length and back.
-std::vector<Vec3> pull(const Shape& shape, int frame, int period) {
-  const double share = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * frame / period);
-  return mapped(shape,
-                [share](const Vec3& p) {
-                  return Vec3(p.x() + share * std::tanh(2.0 * p.x()), p.y(), p.z());
-                })
-      .vertices;
-}
-
-/// The mean distance from the start after several loops, in spacings.
-double hysteresis(double pattern_strength) {
-  const Shape shape = blob(4);
-  Tracker tracker = tracker_of(shape, kCount, {.pattern_strength = pattern_strength});
-  const std::vector<Vec3> start = tracker.samples().positions;
-  constexpr int kPeriod = 30;
-  for (int frame = 1; frame <= 5 * kPeriod; ++frame) tracker.advance(pull(shape, frame, kPeriod));
-  double sum = 0.0;
-  for (std::size_t k = 0; k < kCount; ++k)
-    sum += (tracker.samples().positions[k] - start[k]).norm();
-  return sum / static_cast<double>(kCount) / tracker.surface().spacing(kCount);
-}
-
-TEST(Tracker, ReturnsToTheFirstPatternAfterLoops) {
-  const double with = hysteresis(0.8);
-  const double without = hysteresis(0.0);
-  std::cout << "after five loops " << with << " spacings from the start, without memory " << without
-            << '\n';
-  EXPECT_LT(with, 0.75 * without);
-}
-
-TEST(Tracker, StickinessTradesSlideForEvenness) {
-  const Shape shape = body();
-  double last_slide = 1.0, last_variation = 0.0;
-  for (const double stickiness : {0.0, 3.0, 100.0}) {
-    TrackerOptions options{.pattern_strength = 0.0};
-    options.optimizer.stickiness = stickiness;
-    Tracker tracker = tracker_of(shape, kCount, options);
-    double slide = 0.0, variation = 0.0;
-    for (int frame = 1; frame <= 10; ++frame) {
-      const Report& report = tracker.advance(deformed(shape.vertices, 0.15 * frame)).report;
-      slide += report.slide_mean / 10.0;
-      variation += report.evenness.capacity_variation / 10.0;
-    }
-    EXPECT_LT(slide, last_slide) << "stickiness " << stickiness;
-    EXPECT_GT(variation, last_variation) << "stickiness " << stickiness;
-    last_slide = slide;
-    last_variation = variation;
-  }
-}
-
-struct Calmness {
-  double jerk = 0.0;       // mean change of the slide from frame to frame, in spacings
-  double variation = 0.0;  // of the capacities, mean
-};
-
-/// On a body that is stretched.
-Calmness calmness(double smoothing) {
-  const Shape shape = blob(4);
-  TrackerOptions options;
-  options.optimizer.slide_smoothing = smoothing;
-  Tracker tracker = tracker_of(shape, kCount, options);
-  std::vector<Vec3> last(kCount, Vec3::Zero());
-  Calmness found;
-  constexpr int kFrames = 20;
-  for (int frame = 1; frame <= kFrames; ++frame) {
-    const Samples before = tracker.samples();
-    const std::vector<Vec3> vertices = pull(shape, frame, 60);
-    const Samples& now = tracker.advance(vertices);
-    for (std::size_t k = 0; k < kCount; ++k) {
-      const Vec3 slide =
-          now.positions[k] - tracker.surface().point(before.faces[k], before.barycentric[k]);
-      if (frame > 1) found.jerk += (slide - last[k]).norm();
-      last[k] = slide;
-    }
-    found.variation += now.report.evenness.capacity_variation / kFrames;
-  }
-  found.jerk /= tracker.surface().spacing(kCount) * kCount * (kFrames - 1);
-  return found;
-}
-
-TEST(Tracker, SlideSmoothingIsCalmerAndAsEven) {
-  const Calmness with = calmness(0.15);
-  const Calmness without = calmness(0.0);
-  std::cout << "jerk " << with.jerk << " and without " << without.jerk << ", variation "
-            << with.variation << " and " << without.variation << '\n';
-  EXPECT_LT(with.jerk, 0.95 * without.jerk);
-  EXPECT_LT(with.variation, 1.25 * without.variation);
-}
-
-TEST(Tracker, GoesOnFromAStoredFrameWithTheSameBytes) {
-  const Shape shape = body();
-  const Surface surface = shape.surface();
-  const Samples first = sample(surface, kCount);
-  Tracker whole(surface, first);
-  constexpr int kPeriod = 30;
-  Samples stored;
-  bool settled = false;
-  for (int frame = 1; frame <= 9; ++frame) {
-    whole.advance(pull(shape, frame, kPeriod));
-    if (frame != 6) continue;
-    stored = bind_samples(whole.surface(), whole.samples().faces, whole.samples().barycentric);
-    settled = whole.settled();
-  }
-  Tracker resumed(surface, first);
-  resumed.resume(pull(shape, 6, kPeriod), stored, settled);
-  for (int frame = 7; frame <= 9; ++frame) resumed.advance(pull(shape, frame, kPeriod));
-  EXPECT_TRUE(same_bytes(resumed.samples(), whole.samples()));
-}
-
-/// A plate with a disc without density that enters from the left.
-Surface plate_with_hole(const Shape& plate, double x) {
-  std::vector<double> density;
-  for (const Vec3& p : plate.vertices)
-    density.push_back((p - Vec3(x, 0.5, 0.0)).norm() < 0.2 ? 0.0 : 1.0);
-  return plate.surface().with_density({DensityAt::kVertices, density});
-}
-
-TEST(Tracker, GoesOnUnderADensityThatMoves) {
-  const Shape plate = grid(40);
-  const Surface begin = plate_with_hole(plate, 0.2);
-  Tracker tracker(begin, sample(begin, kCount));
-  const Samples first = tracker.samples();
-  for (int frame = 1; frame <= 10; ++frame) {
-    const Surface next = plate_with_hole(plate, 0.2 + 0.03 * frame);
-    tracker.resume_on(next, plate.vertices, tracker.samples(), first);
-    const Samples& now = tracker.advance(plate.vertices);
-    ASSERT_EQ(now.ids, first.ids);
-    for (std::size_t k = 0; k < now.size(); ++k) {
-      const auto face = plate.faces[static_cast<std::size_t>(now.faces[k])];
-      const std::vector<double> density = next.density();
-      double at = 0.0;
-      for (int c = 0; c < 3; ++c)
-        at += now.barycentric[k][c] * density[static_cast<std::size_t>(face[c])];
-      EXPECT_GT(at, 0.0) << frame << ' ' << k;
-    }
-    EXPECT_LT(now.report.evenness.capacity_variation, 0.2) << frame;
-    EXPECT_GT(now.report.evenness.alpha_min, 0.3) << frame;
-  }
-}
-
-TEST(Tracker, RefusesToGoOnWithSamplesOfAnotherNumber) {
-  const Shape shape = icosphere(2);
-  Tracker tracker = tracker_of(shape, 50);
-  const Samples before = tracker.samples();
-  const Samples fewer = sample(shape.surface(), 49);
-  EXPECT_THROW(tracker.resume_on(shape.surface(), shape.vertices, fewer, before), ArgumentError);
-  EXPECT_THROW(tracker.resume_on(shape.surface(), shape.vertices, before, fewer), ArgumentError);
-  EXPECT_THROW(tracker.resume_on(shape.surface(), shape.vertices, before, before, {{}, {}}),
-               ArgumentError);
-  expect_untouched(tracker, before, shape.vertices);
-}
-
-TEST(Tracker, RefusesToResumeFromAnotherNumber) {
-  const Shape shape = body();
-  Tracker tracker = tracker_of(shape);
-  const Samples few = sample(shape.surface(), 10);
-  expect_message<ArgumentError>([&] { tracker.resume(shape.vertices, few, true); },
-                                {"samples", "10", "400"});
-}
-
-TEST(Tracker, RefusesToResumeFromAnotherSurface) {
-  const Shape shape = body();
-  Tracker tracker = tracker_of(shape);
-  const std::vector<Vec3> next = deformed(shape.vertices, 0.3);
-  tracker.advance(next);
-  const Samples before = tracker.samples();
-  const Surface large = icosphere(5).surface(), small = icosphere(2).surface();
-  expect_message<ArgumentError>(
-      [&] { tracker.resume(shape.vertices, sample(large, before.size()), true); },
-      {"samples.faces[", "outside the surface's faces"});
-  expect_message<ArgumentError>(
-      [&] { tracker.resume(shape.vertices, sample(small, before.size()), true); },
-      {"samples.positions[0] is ", "away from", "another surface"});
-  EXPECT_TRUE(same_bytes(tracker.samples(), before));
-  EXPECT_THROW(Tracker(shape.surface(), sample(small, 40)), ArgumentError);
-}
-
-TEST(Tracker, ResumesFromPlacesOnAnyFrameItKnows) {
-  const Shape shape = body();
-  Tracker tracker = tracker_of(shape);
-  const Surface first = tracker.surface();
-  const std::vector<Vec3> one = deformed(shape.vertices, 0.3), two = deformed(shape.vertices, 0.6);
-  tracker.advance(one);
-  const Samples kept = tracker.samples();
-  tracker.advance(two);
-  for (const Surface& frame : {first, first.deformed(one), first.deformed(two)}) {
-    Tracker again = tracker;
-    again.resume(one, bind_samples(frame, kept.faces, kept.barycentric), true);
-    EXPECT_TRUE(same_bytes(again.samples().positions, kept.positions));
-  }
 }
 
 // ---- refusals ----
