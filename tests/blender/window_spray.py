@@ -30,6 +30,8 @@ def events():
     bpy.context.preferences.edit.use_global_undo = True
     yield from scattered_ground()
     scatter().dapple.auto_update_mode = "OFF"
+    with over_view():
+        bpy.ops.ed.undo_push(message="Auto Update")
     hand = hand_of.Hand()
     yield from hand_of.Hand(hand_of.toolbar).press_button("dapple.spray")
     tool = bpy.context.workspace.tools.from_space_view3d_mode("OBJECT")
@@ -37,6 +39,7 @@ def events():
     yield from removed_and_sprayed(hand)
     yield from canceled(hand)
     yield from resized(hand, tool.operator_properties("dapple.spray_points"))
+    yield from adjusted(hand)
 
 
 def removed_and_sprayed(hand):
@@ -62,6 +65,26 @@ def removed_and_sprayed(hand):
             bpy.ops.ed.undo()
         yield from hand_of.waited(lambda before=before: len(places()) == len(before))
         assert same(places(), before)
+
+
+def adjusted(hand):
+    """Adjust Last Operation repeats the stroke with another spacing. Called by a script it makes
+    no step of undo, so this comes last."""
+    first = len(places())
+    yield from hand.drag(seen(), ctrl=True)
+    yield from hand_of.waited(lambda: len(places()) < first)
+    removed = len(places())
+    yield from hand.drag(seen())
+    yield from hand_of.waited(lambda: len(places()) > removed)
+    filled = len(places())
+    (last,) = bpy.context.window_manager.operators[-1:]
+    assert last.bl_idname == "DAPPLE_OT_spray_points"
+    last.properties.spacing = 0.5
+    with over_view():
+        bpy.ops.ed.undo_redo()
+    yield from hand_of.waited(lambda: len(places()) != filled)
+    assert len(places()) - removed > 1.7 * (filled - removed)
+    assert apart(places(), locked()) >= 0.5 * spacing() * 0.999
 
 
 def canceled(hand):

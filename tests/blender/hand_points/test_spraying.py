@@ -295,6 +295,38 @@ def test_a_hidden_surface_can_be_sprayed_by_scripts(obj):
     clear_cut(obj)
 
 
+def test_a_linked_duplicate_keeps_its_points(obj):
+    copy = obj.copy()
+    bpy.context.collection.objects.link(copy)
+    mesh = obj.data
+    assert spray(spacing=0.4) == {"FINISHED"}
+    assert copy.data == mesh != obj.data
+    assert len(mesh.vertices) == 600 < len(obj.data.vertices)
+
+
+def test_a_linked_scatter_is_refused(obj, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (there, here):
+        here.objects = list(there.objects)
+    linked = bpy.data.objects["Sphere Scatter"]
+    bpy.context.collection.objects.link(linked)
+    scenes.activate(linked)
+    with pytest.raises(RuntimeError, match=r"is linked from 'library\.blend': make it local"):
+        spray()
+    assert len(linked.data.vertices) == 600
+
+
+def test_points_along_edges_can_be_sprayed_beside():
+    bpy.ops.mesh.primitive_cube_add()
+    obj = quiet(scenes.scattered(bpy.context.object, count=100))
+    obj.dapple.scatter_on = "EDGES"
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert spray([(0.0, 0.0, 1.0)]) == {"FINISHED"}
+    assert len(locked(obj)) > 3
+    assert (scenes.positions(obj)[100:, 2] > 0.999).all()
+
+
 class Shown:
     """Dots that note whether they are there."""
 
