@@ -52,17 +52,13 @@ def shapes_of(scatter: bpy.types.Object, shape: str) -> tuple[InstanceShapes, Lo
     Raises:
         ScatterError: there are instances at places that are not finite.
     """
-    collector = Collector([scatter])
+    collector = Collector([scatter], lambda obj, _: _corners(obj.data, shape))
     with as_rendered([scatter]):
-        try:
-            collector.read()
-            corners = [_corners(mesh, shape) for mesh in collector.meshes[0]]
-        finally:
-            collector.free()
+        collector.read()
     (frame,) = collector.exported[0].frames
     if not np.isfinite(frame.matrices).all():
         raise ScatterError(f"Scatter '{scatter.name}' has instances that are nowhere")
-    return placed_shapes(frame, corners), np.unique(frame.ids)
+    return placed_shapes(frame, collector.meshes[0]), np.unique(frame.ids)
 
 
 def placed_shapes(frame: Placed, corners: list[Floats]) -> InstanceShapes:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Instances of scatters as renders show them, read from the scene frame by frame."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -36,14 +36,18 @@ class Collector:
 
     exported: instances, in the order of the scatters.
 
-    meshes: copies of the instanced meshes: a list for each scatter, in the order of its objects.
+    of_mesh: what is kept of an instanced mesh; takes the evaluated object and a name.
+
+    meshes: what is kept of them, copies by default: a list for each scatter, in the order of its
+    objects.
 
     left_out: names of objects that are not meshes.
     """
 
     scatters: Sequence[bpy.types.Object]
+    of_mesh: Callable[[bpy.types.Object, str], Any] = field(default_factory=lambda: _copied)
     exported: list[Exported] = field(init=False)
-    meshes: list[list[bpy.types.Mesh]] = field(init=False)
+    meshes: list[list[Any]] = field(init=False)
     left_out: set[str] = field(default_factory=set)
 
     def __post_init__(self) -> None:
@@ -93,7 +97,7 @@ class Collector:
             self._keys[k][key] = len(self._keys[k])
             name = f"{original.name} Cone" if own else original.name
             self.exported[k].objects.append(name)
-            self.meshes[k].append(_copied(one.object, name))
+            self.meshes[k].append(self.of_mesh(one.object, name))
         return self._keys[k][key]
 
     def _placed(self, k: int, rows: _Rows) -> Placed:
