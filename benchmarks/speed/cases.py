@@ -20,6 +20,9 @@ Make = Callable[[int], Run]  # of a seed
 _FACES = (264, 132)  # around a torus and its tube: 69,696 faces
 _TRACKED = (158, 79)  # 24,964 faces
 _RATIO = 100.0  # largest over smallest density
+# As Blender's qualities of these names.
+_REGULAR: dict[str, Any] = {"capacity_weight": 5.0, "tolerance": 1e-5, "max_evaluations": 400}
+_HONEYCOMB: dict[str, Any] = {"capacity_weight": 0.0, "tolerance": 2e-5, "max_evaluations": 600}
 
 
 class Mesh:
@@ -39,10 +42,12 @@ class Mesh:
         return np.asarray(_RATIO**t)
 
 
-def _sample(mesh: Mesh, count: int, ramp: bool = False, locked: bool = False) -> Make:
+def _sample(
+    mesh: Mesh, count: int, ramp: bool = False, locked: bool = False, **settings: Any
+) -> Make:
     def make(seed: int) -> Run:
         surface = mesh.surface(mesh.ramp() if ramp else None)
-        options: dict[str, Any] = {"seed": seed}
+        options: dict[str, Any] = {"seed": seed} | settings
         if locked:
             options["locked"] = _half(surface, dapple.sample(surface, count, seed=seed))
         return lambda: dapple.sample(surface, count, **options).report
@@ -180,6 +185,8 @@ def cases(mesh: Mesh) -> dict[str, Make]:
         {f"sample/{n}": _sample(mesh, n) for n in (*small, 1_000_000)}
         | {f"ramp/{n}": _sample(mesh, n, ramp=True) for n in small}
         | {f"half locked/{n}": _sample(mesh, n, locked=True) for n in small}
+        | {f"regular/{n}": _sample(mesh, n, **_REGULAR) for n in small}
+        | {f"honeycomb/{n}": _sample(mesh, n, **_HONEYCOMB) for n in small}
         | {f"3 classes/{n}": _classes(mesh, n) for n in small}
         | {f"1 % relaxed/{n}": _relaxed(mesh, n) for n in small}
         | {

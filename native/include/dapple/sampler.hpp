@@ -12,7 +12,8 @@ namespace dapple {
 
 /// Initial positions of an optimization.
 enum class Start {
-  kPoisson,  ///< a Poisson-disk set, which needs fewer iterations than white noise
+  kPoisson,  ///< a Poisson-disk set, which needs fewer iterations than white noise; for a capacity
+             ///< weight below 10, which asks for a lattice, of few sites, which are then subdivided
   kRandom,   ///< white noise, as in the paper
 };
 

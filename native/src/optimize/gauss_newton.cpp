@@ -78,6 +78,7 @@ void GaussNewton::update(const Objective& objective, const Evaluation& state, in
                      std::sqrt(2.0 * objective.capacity_weight * scale / unit_));
   }
   add_pairs(objective, state);
+  add_boundaries(objective, state);
   add_blocks();
 }
 
@@ -115,6 +116,16 @@ void GaussNewton::add_pairs(const Objective& objective, const Evaluation& state)
                 });
 }
 
+// With equal capacities as the aim, the capacities decide where sites go, and the boundaries'
+// curvature saves nothing. While a frame is restored, nobody waits for a lattice.
+void GaussNewton::add_boundaries(const Objective& objective, const Evaluation& state) {
+  if (objective.terms.size() > 1 || !is_lattice(objective.capacity_weight) ||
+      objective.cvt_weight < 1.0)
+    return boundaries_.clear();
+  const RestrictedVoronoi& diagram = state.diagram();
+  boundaries_.update(diagram, bases_, objective.scale(0, diagram.cells.size()) / unit_);
+}
+
 void GaussNewton::add_blocks() {
   blocks_.assign(masses_.size(), {});
   for (const CapacityJacobian& term : terms_) term.add_blocks(blocks_);
@@ -135,43 +146,48 @@ Tangent GaussNewton::pull_of_neighbors(const TangentVectors& v, std::size_t k) c
   return to_tangent(bases_[k], sum, 2.0 / unit_);
 }
 
-void GaussNewton::apply(const TangentVectors& v, double delta, TangentVectors& result) {
+void GaussNewton::apply(const TangentVectors& v, const Trust& trust, TangentVectors& result) {
+  const bool bends = trust.boundaries > 0.0 && has_boundaries();
   parallel_chunks(v.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      Tangent sum = (delta * masses_[k] + (held_.empty() ? 0.0 : held_[k])) * v[k];
+      Tangent sum = (trust.delta * masses_[k] + (held_.empty() ? 0.0 : held_[k])) * v[k];
       if (!held_.empty()) sum += -pull_of_neighbors(v, k);
       for (const Side& side : sides(k))
         sum += (side.own.dot(v[k]) - side.others.dot(v[static_cast<std::size_t>(side.other)])) *
                side.own;
+      if (bends) sum += -boundaries_.product(v, k, trust.boundaries);
       result[k] = sum;
     }
   });
   for (const CapacityJacobian& term : terms_) term.add_product(v, change_, result);
 }
 
-void GaussNewton::precondition(double delta) {
+void GaussNewton::precondition(const Trust& trust) {
+  const bool bends = trust.boundaries > 0.0 && has_boundaries();
   inverse_.resize(blocks_.size());
   for_each_vector(inverse_.size(), [&](std::size_t k) {
     const bool locked = !locked_.empty() && locked_[k];
-    inverse_[k] = locked ? TangentBlock() : blocks_[k].inverse(delta * masses_[k]);
+    TangentBlock block = blocks_[k];
+    if (bends) block -= boundaries_.block(k, trust.boundaries);
+    inverse_[k] = locked ? TangentBlock() : block.inverse(trust.delta * masses_[k]);
   });
 }
 
-Vectors GaussNewton::solve(const Vectors& b, double delta) {
+Vectors GaussNewton::solve(const Vectors& b, const Trust& trust) {
   Vectors result(b.size(), Vec3::Zero());
   const double size = largest(b);
   if (!(size > 0.0)) return result;
   residual_.resize(b.size());
   for_each_vector(b.size(),
                   [&](std::size_t k) { residual_[k] = to_tangent(bases_[k], b[k], 1.0 / size); });
-  precondition(delta);
-  iterate(delta);
+  precondition(trust);
+  iterate(trust);
   const double back = size / unit_;
   for_each_vector(b.size(), [&](std::size_t k) { result[k] = to_space(bases_[k], x_[k], back); });
   return result;
 }
 
-void GaussNewton::iterate(double delta) {
+void GaussNewton::iterate(const Trust& trust) {
   const std::size_t count = residual_.size();
   TangentVectors &x = x_, &z = preconditioned_;
   x.resize(count);
@@ -183,12 +199,14 @@ void GaussNewton::iterate(double delta) {
     direction_[k] = z[k] = inverse_[k] * residual_[k];
   });
   double rho = dot(residual_, z);
+  indefinite_ = !(rho > 0.0);
   const double enough = kSolverTolerance * kSolverTolerance * rho;
   for (int step = 0; step < steps_ && rho > enough; ++step) {
     if (context_) context_->check();
-    apply(direction_, delta, applied_);
+    apply(direction_, trust, applied_);
     const double curvature = dot(direction_, applied_);
-    if (!(curvature > 0.0)) break;
+    indefinite_ = !(curvature > 0.0);
+    if (indefinite_) break;
     const double length = rho / curvature;
     for_each_vector(count, [&](std::size_t k) {
       x[k] += length * direction_[k];

@@ -1,15 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "optimize/boundary_curvature.hpp"
 #include "optimize/capacity_jacobian.hpp"
 #include "optimize/objective.hpp"
 
 namespace dapple {
 
+/// How much of the model a trust region believes.
+struct Trust {
+  double delta = 1.0;       ///< weight of diag(m): a larger one makes a shorter step
+  double boundaries = 0.0;  ///< share of the boundaries' curvature, 0..1: a larger one makes a
+                            ///< longer step
+};
+
 /// The model Hessian of an objective on the tangent planes, locked sites left out: the sum over the
 /// terms of scale (2 delta diag(m) + 2 lambda J^T J + the repulsion's part), with J the Jacobian of
 /// the capacities, and what holds sites back. Its first part is Lloyd's step scaled by delta, which
-/// a trust region raises to shorten the step.
+/// a trust region raises to shorten the step. Where a lattice is wanted, a share of the boundaries'
+/// curvature is subtracted: with all of it the first part is the Hessian of E_cvt.
 class GaussNewton {
  public:
   /// Of nothing, until update().
@@ -29,7 +38,13 @@ class GaussNewton {
   /// Solve H x = b approximately by conjugate gradients with a block-Jacobi preconditioner; b
   /// restricted.
   /// \throw Cancelled
-  [[nodiscard]] Vectors solve(const Vectors& b, double delta);
+  [[nodiscard]] Vectors solve(const Vectors& b, const Trust& trust);
+
+  /// Whether the model has the boundaries' curvature.
+  [[nodiscard]] bool has_boundaries() const { return !boundaries_.empty(); }
+  /// Whether H was not positive definite when last used, so that the boundaries' share is too
+  /// large.
+  [[nodiscard]] bool is_indefinite() const { return indefinite_; }
 
  private:
   /// One side of a pair of close sites, scaled by the root of its stiffness.
@@ -39,17 +54,18 @@ class GaussNewton {
   };
 
   /// From residual_ to x_.
-  void iterate(double delta);
+  void iterate(const Trust& trust);
   void add_masses(const Objective& objective, const Evaluation& state);
   void add_pairs(const Objective& objective, const Evaluation& state);
+  void add_boundaries(const Objective& objective, const Evaluation& state);
   void add_blocks();
   [[nodiscard]] std::span<const Side> sides(std::size_t site) const {
     return std::span(sides_).subspan(side_starts_[site],
                                      side_starts_[site + 1] - side_starts_[site]);
   }
-  void apply(const TangentVectors& v, double delta, TangentVectors& result);
+  void apply(const TangentVectors& v, const Trust& trust, TangentVectors& result);
   [[nodiscard]] Tangent pull_of_neighbors(const TangentVectors& v, std::size_t k) const;
-  void precondition(double delta);
+  void precondition(const Trust& trust);
 
   int steps_ = 0;
   const Context* context_ = nullptr;
@@ -59,14 +75,16 @@ class GaussNewton {
   const Anchoring* anchoring_ = nullptr;
   std::vector<double> held_;  // what it adds to the diagonal; empty: nothing
   std::vector<CapacityJacobian> terms_;
+  BoundaryCurvature boundaries_;
   std::vector<std::size_t> side_starts_;  // rows of sides_, one more than sites
   std::vector<Side> sides_;
-  std::vector<TangentBlock> blocks_;  // on the diagonal, without what delta multiplies
+  std::vector<TangentBlock> blocks_;  // on the diagonal, without what trust multiplies
   std::vector<bool> locked_;
   // Of conjugate gradients.
   std::vector<TangentBlock> inverse_;  // of the diagonal blocks; nothing where a site is locked
   TangentVectors x_, residual_, preconditioned_, direction_, applied_;
   std::vector<double> change_;  // of capacities
+  bool indefinite_ = false;
 };
 
 }  // namespace dapple

@@ -11,6 +11,9 @@
 
 namespace dapple {
 
+/// Whether a weight of the capacities is so small that sites are to form patches of a lattice.
+[[nodiscard]] constexpr bool is_lattice(double capacity_weight) { return capacity_weight < 10.0; }
+
 /// A set of sites to be spaced evenly: all of them, or those of one class.
 struct Term {
   const Domain* domain;                    ///< with the density of the set

@@ -36,6 +36,12 @@ struct TangentBlock {
     uv += a.u * a.v;
     vv += a.v * a.v;
   }
+  TangentBlock& operator-=(const TangentBlock& other) {
+    uu -= other.uu;
+    uv -= other.uv;
+    vv -= other.vv;
+    return *this;
+  }
   /// Of this plus `diagonal` times the identity.
   [[nodiscard]] TangentBlock inverse(double diagonal) const {
     const double a = uu + diagonal, c = vv + diagonal;

@@ -16,6 +16,12 @@ constexpr double kFull = 0.4;     // after a full step
 constexpr double kShortened = 2.0;
 constexpr double kFailed = 4.0;
 constexpr double kMost = 1e12;
+// The boundaries' share: nothing at first, when cells are far from a lattice, more after each full
+// step, less after any other and where a step is too long.
+constexpr double kMostShare = 0.9;  // all of it would leave some long waves without any curvature
+constexpr double kNearer = 0.5;     // part of the way there after a full step
+constexpr double kLess = 0.7;
+constexpr double kLeastShare = 0.3;  // of which nothing is left
 constexpr int kSolves = 6;  // before the stored pairs are dropped because the step stays too long
 constexpr int kSteps = 15;  // of conjugate gradients: steps are shortened and corrected anyway
 constexpr int kExactSteps = 60;     // the long waves that a deformation causes take more iterations
@@ -111,20 +117,26 @@ void cut_few(const Objective& objective, const Evaluation& state, double max_ste
 
 }  // namespace
 
+void TrustRegion::trust_boundaries_less() {
+  trust_.boundaries = trust_.boundaries > kLeastShare ? kLess * trust_.boundaries : 0.0;
+}
+
 // A larger delta shortens the model's own step, but not the contribution of stored pairs with
 // little curvature.
 Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
                           LbfgsHistory& history, const Context* context) {
   model_.update(objective, state, exact_ ? kExactSteps : kSteps, context);
   const auto restrict = [&](Vectors& v) { objective.restrict(v, state.normals); };
-  const double first_delta = delta_;
+  if (!model_.has_boundaries()) trust_.boundaries = 0.0;
+  const double first_delta = trust_.delta;
   for (int solves = 1;; ++solves) {
-    const auto solve = [&](const Vectors& v) { return model_.solve(v, delta_); };
+    const auto solve = [&](const Vectors& v) { return model_.solve(v, trust_); };
     Vectors direction = history.direction(state.gradient, restrict, solve);
     cut_few(objective, state, max_step_, direction);
     const double excess = step_excess(objective, state, max_step_, direction);
     const bool descends = dot(direction, state.gradient) < 0.0;
-    if ((excess <= 1.0 + kRounding && descends) || delta_ > kMost) {
+    const bool bends_back = trust_.boundaries > 0.0 && model_.is_indefinite();
+    if ((excess <= 1.0 + kRounding && descends && !bends_back) || trust_.delta > kMost) {
       direction = keep_apart(objective, state, std::move(direction));
       if (separates_) separate_crowded(objective, state, direction);
       if (objective.holds_discs)
@@ -132,28 +144,37 @@ Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
       if (objective.mirror) restrict(direction);
       return direction;
     }
-    delta_ *= excess > kFarOff ? kFar : kTooLong;
+    if (trust_.boundaries > 0.0) {
+      trust_boundaries_less();
+      continue;
+    }
+    trust_.delta *= excess > kFarOff ? kFar : kTooLong;
     if ((descends && solves < kSolves) || history.empty()) continue;
     history.forget();
-    delta_ = first_delta;
+    trust_.delta = first_delta;
   }
 }
 
 void TrustRegion::update_radius(bool found, double shortened) {
+  double& delta = trust_.delta;
   if (!found)
-    delta_ *= kFailed;
+    delta *= kFailed;
   else if (shortened < 1.0)
-    delta_ *= kShortened;
+    delta *= kShortened;
   else
-    delta_ = std::max(least_delta_, kFull * delta_);
-  delta_ = std::min(delta_, kMost);
+    delta = std::max(least_delta_, kFull * delta);
+  delta = std::min(delta, kMost);
   separates_ = found && shortened == 1.0;
+  if (separates_)
+    trust_.boundaries += kNearer * (kMostShare - trust_.boundaries);
+  else
+    trust_boundaries_less();
 }
 
 double TrustRegion::promised(const Objective& objective, const Evaluation& state,
                              const Context* context) {
   model_.update(objective, state, kSteps, context);
-  return 0.5 * dot(model_.solve(state.gradient, least_delta_), state.gradient);
+  return 0.5 * dot(model_.solve(state.gradient, {.delta = least_delta_}), state.gradient);
 }
 
 }  // namespace dapple

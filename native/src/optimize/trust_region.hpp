@@ -15,10 +15,10 @@ class TrustRegion {
   TrustRegion(double max_step, bool exact) : max_step_(max_step), exact_(exact) {}
 
   /// Begin with a delta below which it never falls.
-  void set_least_delta(double delta) { delta_ = least_delta_ = delta; }
+  void set_least_delta(double delta) { trust_.delta = least_delta_ = delta; }
 
-  /// A descent direction within the trust region; delta grows, and pairs are forgotten, until there
-  /// is one.
+  /// A descent direction within the trust region; the boundaries' share falls, delta grows, and
+  /// pairs are forgotten, until there is one.
   /// \throw Cancelled
   [[nodiscard]] Vectors step(const Objective& objective, const Evaluation& state,
                              LbfgsHistory& history, const Context* context = nullptr);
@@ -32,10 +32,12 @@ class TrustRegion {
                                 const Context* context = nullptr);
 
  private:
+  void trust_boundaries_less();
+
   GaussNewton model_;  // of one step after another
   double max_step_;
   bool exact_;
-  double delta_ = 1.0;
+  Trust trust_;
   double least_delta_ = 1.0;
   bool separates_ = true;  // crowded sites, unless the last step failed or was shortened
 };

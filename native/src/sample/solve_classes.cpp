@@ -12,6 +12,7 @@
 #include "optimize/forecast.hpp"
 #include "rebalance/rebalance.hpp"
 #include "sample/outcome.hpp"
+#include "sample/subdivided_start.hpp"
 #include "surface/islands.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -23,6 +24,7 @@ constexpr int kRounds = 4;
 constexpr int kPushes = 20;  // times that overlapping discs are pushed apart along the surface
 constexpr double kOverlap = 1e-3;       // of the wanted distance: smaller overlaps are accepted
 constexpr double kStarting = 3.0;       // a start takes as long as this many evaluations
+constexpr double kSubdividing = 12.0;   // one for a lattice
 constexpr double kThin = 0.1;           // of the tolerance, if most samples are on thin parts
 constexpr double kEven = 0.005;         // and the capacity variation is larger than this
 constexpr int kMore = 15;               // most additional evaluations
@@ -194,8 +196,9 @@ int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites
 /// The share of the time that the start takes. Several classes are evaluated twice.
 double share_of_start(const ClassProblem& problem, const ClassOptions& options) {
   if (options.sample.start == Start::kRandom) return 0.0;
+  const double starting = can_subdivide(problem, options) ? kSubdividing : kStarting;
   const double evaluations = expected_evaluations(options.sample.optimizer);
-  return kStarting / (kStarting + evaluations * (problem.classes.size() > 1 ? 2.0 : 1.0));
+  return starting / (starting + evaluations * (problem.classes.size() > 1 ? 2.0 : 1.0));
 }
 
 /// Continue the optimization on thin parts. The start is nearly even there, so that the first steps
@@ -435,27 +438,46 @@ ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptio
   return {std::move(objective), std::move(found)};
 }
 
+namespace {
+
+struct Beginning {
+  Sites sites;
+  bool thin = false;  // whether most sites are on thin parts
+  int evaluations = 0;
+};
+
+Beginning begin(const ClassProblem& problem, const ClassOptions& options, Context* context) {
+  if (can_subdivide(problem, options)) {
+    SubdividedStart found = subdivided_start(problem, options, context);
+    if (found.sites.size() > 0) return {std::move(found.sites), false, found.evaluations};
+  }
+  std::size_t along = 0;
+  Sites sites = make_start(problem, options.sample.start, options.sample.seed, context, &along);
+  const bool thin = 2 * along > sites.size();
+  return {std::move(sites), thin};
+}
+
+}  // namespace
+
 ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Context* context) {
   check(problem, options);
   const std::vector<std::vector<std::size_t>> groups = groups_by_count(problem);
   if (groups.size() > 1 && goes_in_turn(problem, options))
     return solve_in_turn(problem, groups, options, context);
-  std::size_t along = 0;
   const double started = share_of_start(problem, options);
   Stretch starting(context, 0.0, started);
-  Sites start =
-      make_start(problem, options.sample.start, options.sample.seed, starting.context(), &along);
+  auto [start, thin, evaluations] = begin(problem, options, starting.context());
   if (context) context->advance(started);
   const bool stages = options.two_stages && problem.classes.size() > 1;
   const double together = stages ? started + kAlone * (1.0 - started) : started;
   Stretch alone(context, started, together);
-  const bool thin = 2 * along > start.size();
   const bool plain = is_plain(problem, options);
   const double last = plain ? together + kNearly * (1.0 - together) : 1.0;
   const double first = thin ? together + kRound * (last - together) : last;
   Stretch finishing(context, together, first), going_on(context, first, last),
       moving(context, last, 1.0);
   Minimum before;
+  before.evaluations = evaluations;
   if (options.sample.start == Start::kPoisson)
     before.evaluations += settle_islands(problem, options.sample.seed, start, nullptr);
   if (stages) settle_alone(problem, options, start, before, alone.context());

@@ -112,7 +112,8 @@ Vectors stacked(const Eigen::VectorXd& v) {
 TEST(GaussNewton, SolvesItsDefinition) {
   const Fixture f;
   ASSERT_FALSE(f.state.parts[0].repulsion.pairs.empty());
-  const Vectors x = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
+  const Vectors x =
+      GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, {.delta = kDelta});
   Vectors found = stacked(dense(f.objective, f.state) * flat(x));
   f.objective.restrict(found, f.state.normals);
   const Eigen::VectorXd wanted = flat(f.state.gradient);
@@ -125,7 +126,8 @@ TEST(GaussNewton, SolvesItsDefinitionWithAnchors) {
   Vectors anchors = f.state.sites.positions;
   for (std::size_t k = 0; k < anchors.size(); ++k) anchors[k].x() += 0.01 * double(k % 5);
   anchor(f.objective, f.state, anchors, hold);
-  const Vectors x = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
+  const Vectors x =
+      GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, {.delta = kDelta});
   const Eigen::MatrixXd model =
       dense(f.objective, f.state) + dense(hold, f.objective.scale(0, 100), f.state.diagram());
   Vectors found = stacked(model * flat(x));
@@ -134,9 +136,30 @@ TEST(GaussNewton, SolvesItsDefinitionWithAnchors) {
   EXPECT_LT((flat(found) - wanted).norm(), 0.03 * wanted.norm());
 }
 
+TEST(GaussNewton, SubtractsAShareOfTheBoundariesForALattice) {
+  Fixture f;
+  f.objective.terms.resize(1);
+  f.state.parts.resize(1);
+  EXPECT_FALSE(GaussNewton(f.objective, f.state, kEnough).has_boundaries()) << "equal capacities";
+  f.objective.capacity_weight = 1.0;
+  GaussNewton model(f.objective, f.state, kEnough);
+  ASSERT_TRUE(model.has_boundaries());
+  const auto length = [&](double share) {
+    const Vectors x = model.solve(f.state.gradient, {kDelta, share});
+    return flat(x).norm();
+  };
+  const double none = length(0.0), some = length(0.1), more = length(0.2);
+  EXPECT_FALSE(model.is_indefinite());
+  EXPECT_LT(none, some);
+  EXPECT_LT(some, more);
+  (void)length(100.0);
+  EXPECT_TRUE(model.is_indefinite());
+}
+
 TEST(GaussNewton, StaysInTheTangentPlanesAndLeavesLockedSites) {
   const Fixture f;
-  const Vectors x = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
+  const Vectors x =
+      GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, {.delta = kDelta});
   for (std::size_t k = 0; k < x.size(); ++k) {
     EXPECT_NEAR(x[k].dot(f.state.normals[k]), 0.0, 1e-12) << "site " << k;
     if (f.objective.locked[k]) {
@@ -153,8 +176,10 @@ TEST(GaussNewton, DoesNotDependOnTheUnits) {
     for (CellBoundary& side : part.energy.diagram.boundaries) side.flux *= kUnit;
   Objective strong = tiny.objective;
   strong.capacity_weight /= kUnit * kUnit;
-  const Vectors a = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
-  const Vectors b = GaussNewton(strong, tiny.state, kEnough).solve(f.state.gradient, kDelta);
+  const Vectors a =
+      GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, {.delta = kDelta});
+  const Vectors b =
+      GaussNewton(strong, tiny.state, kEnough).solve(f.state.gradient, {.delta = kDelta});
   EXPECT_LT((flat(a) - flat(b)).norm(), 1e-4 * flat(a).norm());
 }
 
@@ -162,9 +187,9 @@ TEST(GaussNewton, CanBeCancelled) {
   const Fixture f;
   Context context;
   GaussNewton model(f.objective, f.state, kEnough, &context);
-  EXPECT_NO_THROW((void)model.solve(f.state.gradient, kDelta));
+  EXPECT_NO_THROW((void)model.solve(f.state.gradient, {.delta = kDelta}));
   context.cancel();
-  EXPECT_THROW((void)model.solve(f.state.gradient, kDelta), Cancelled);
+  EXPECT_THROW((void)model.solve(f.state.gradient, {.delta = kDelta}), Cancelled);
 }
 
 }  // namespace

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <dapple/errors.hpp>
+#include <dapple/poisson_start.hpp>
+
+#include "invariants.hpp"
+#include "sample/solve_classes.hpp"
+#include "sample/subdivided_start.hpp"
+#include "sample/surface_classes.hpp"
+#include "shapes.hpp"
+
+namespace dapple::test {
+namespace {
+
+SampleOptions lattice(double capacity_weight = 1.0) {
+  SampleOptions options;
+  options.optimizer.capacity_weight = capacity_weight;
+  return options;
+}
+
+ClassProblem problem_of(const Surface& surface, std::size_t count) {
+  const SampleClass all{.count = count};
+  return surface_classes(surface, {&all, 1}, Cells::kConnected);
+}
+
+double order_of(const Surface& surface, std::size_t count, const SampleOptions& options) {
+  const Samples samples = sample(surface, count, options);
+  EXPECT_EQ(samples.size(), count);
+  check(surface, samples);
+  return samples.report.bond_order;
+}
+
+TEST(SubdividedStart, HasTheCountAndIsNearlyALattice) {
+  const Surface surface = blob(4).surface();
+  for (const std::size_t count : {600u, 1001u, 2999u}) {
+    const ClassProblem problem = problem_of(surface, count);
+    const ClassOptions options = options_of_one(lattice());
+    ASSERT_TRUE(can_subdivide(problem, options));
+    const SubdividedStart start = subdivided_start(problem, options, nullptr);
+    EXPECT_EQ(start.sites.size(), count);
+    EXPECT_GT(start.evaluations, 4) << "those of a quarter, of a quarter of it and so on";
+    EXPECT_LT(start.evaluations, 12);
+    EXPECT_LT(evaluate_energy(surface, start.sites, 0.0).normalized, 0.175)
+        << "0.160 is a lattice, 0.2 a Poisson-disk set";
+  }
+}
+
+TEST(SubdividedStart, GivesLargerPatchesInFewerEvaluations) {
+  const Surface surface = blob(4).surface();
+  SampleOptions options = lattice();
+  options.optimizer.max_evaluations = 12;
+  const double few = order_of(surface, 3000, options);
+  SampleOptions anew = options;
+  anew.start = Start::kRandom;
+  anew.optimizer.max_evaluations = 36;
+  EXPECT_GT(few, order_of(surface, 3000, anew) + 0.05);
+}
+
+TEST(SubdividedStart, IsForLatticesOfFreeSitesOnly) {
+  const Surface surface = blob(4).surface();
+  const auto can = [&](std::size_t count, const SampleOptions& options) {
+    return can_subdivide(problem_of(surface, count), options_of_one(options));
+  };
+  EXPECT_TRUE(can(1000, lattice()));
+  EXPECT_FALSE(can(1000, {})) << "natural patterns";
+  EXPECT_FALSE(can(599, lattice())) << "a quarter is too few";
+  SampleOptions other = lattice();
+  other.start = Start::kRandom;
+  EXPECT_FALSE(can(1000, other));
+  other = lattice();
+  other.optimizer.method = Method::kLineSearch;
+  EXPECT_FALSE(can(1000, other)) << "the paper's method";
+  ClassProblem held = problem_of(surface, 1000);
+  held.classes[0].locked = poisson_start(surface, 3, 1);
+  EXPECT_FALSE(can_subdivide(held, options_of_one(lattice())));
+}
+
+TEST(SubdividedStart, LeavesWhatFewSitesDoNotResolve) {
+  Shape rods{"Rods", {}, {}};
+  for (int k = 0; k < 60; ++k)
+    rods = joined(rods, mapped(box(4), [=](const Vec3& p) {
+                    return Vec3(p.x(), 0.02 * p.y() + 0.3 * k, 0.02 * p.z());
+                  }));
+  const Surface surface = rods.surface();
+  const Samples samples = sample(surface, 900, lattice());
+  EXPECT_EQ(samples.size(), 900u);
+  check(surface, samples);
+  EXPECT_LT(samples.report.evenness.capacity_variation, 0.05);
+}
+
+TEST(SubdividedStart, CanBeCancelled) {
+  const Surface surface = blob(4).surface();
+  Context context;
+  context.cancel();
+  EXPECT_THROW(
+      (void)subdivided_start(problem_of(surface, 1000), options_of_one(lattice()), &context),
+      Cancelled);
+}
+
+}  // namespace
+}  // namespace dapple::test
