@@ -43,8 +43,9 @@ esac
 [ "$depth$only" != --quickpackage ] || fail '--quick leaves out the part "package"'
 [ -z "$zip" ] || [ "$only" = package ] || fail '--zip goes with --only package'
 
-# A registered class can hang Blender at exit, so nothing that holds bpy runs without a limit.
-limit=(timeout --kill-after=10 1500)
+# A registered class can hang Blender at exit, so nothing that holds bpy runs without a limit: twice what it takes on two
+# busy cores.
+limit=(timeout --kill-after=10 2400)
 [ "$depth" != --thorough ] || limit=(timeout --kill-after=10 36000)
 workers=$(build_jobs)
 tested=$root/build/tested
