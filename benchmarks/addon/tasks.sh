@@ -11,6 +11,6 @@ export PYTHONPATH=$site_packages DAPPLE_SHOTS=$root/build/tasks LIBGL_ALWAYS_SOF
 BLENDER_USER_RESOURCES=$(mktemp -d)
 export BLENDER_USER_RESOURCES
 mkdir -p "$DAPPLE_SHOTS"
-timeout --kill-after=10 2400 xvfb-run -a -s '-screen 0 1920x1080x24 +extension GLX' \
-  blender --factory-startup --python-use-system-env --python-exit-code 1 --window-geometry 0 0 1920 1080 \
+timeout --kill-after=10 2400 xvfb-run -a -s '-screen 0 1920x1500x24 +extension GLX' \
+  blender --factory-startup --python-use-system-env --python-exit-code 1 --window-geometry 0 0 1920 1500 \
   --gpu-backend opengl --enable-event-simulate --python benchmarks/addon/tasks.py
