@@ -55,6 +55,12 @@ TEST(Watched, ASample) {
       [&](Context* context) { (void)sample(surface, 100, {.optimizer = few_steps()}, context); });
 }
 
+TEST(Watched, ALattice) {
+  const Surface surface = blob(2).surface();
+  const SampleOptions options = {.optimizer = {.capacity_weight = 1.0, .max_evaluations = 2}};
+  expect_watched([&](Context* context) { (void)sample(surface, 600, options, context); });
+}
+
 TEST(Watched, AnEvaluation) {
   const Surface surface = blob(4).surface();
   const std::vector<double> seen = expect_honest_progress([&](Context* context) {

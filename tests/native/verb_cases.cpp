@@ -54,6 +54,15 @@ Prepare sampling(int threads) {
   });
 }
 
+/// From a quarter of the samples.
+Prepare sampling_a_lattice(int threads) {
+  return again([surface = blob(2).surface(), threads](Hash& hash) {
+    SampleOptions options = few(threads);
+    options.optimizer.capacity_weight = 1.0;
+    hash.add(sample(surface, 600, options));
+  });
+}
+
 Prepare sampling_classes(int threads) {
   return again([surface = blob(2).surface(), threads](Hash& hash) {
     const double radius = 0.4 * surface.spacing(60);
@@ -392,6 +401,7 @@ Prepare measuring(int) {
 
 constexpr std::array kCases = {
     Case{"Sample", sampling},
+    Case{"Lattice", sampling_a_lattice},
     Case{"Classes", sampling_classes},
     Case{"Picture", sampling_a_picture},
     Case{"Torus", sampling_a_torus},

@@ -53,6 +53,7 @@ CASES |= {
     "sample_euclidean_soup": sampled(exact.soup(), 300, cells="euclidean"),
     "sample_line_search": sampled(SPHERE, 400, method="line_search"),
     "sample_paper": sampled(TORUS, 300, **dapple.PAPER),
+    "sample_lattice": sampled(WAVY, 1500, capacity_weight=1.0, repulsion_weight=0.0),
     "sample_weights": sampled(BOX, 300, capacity_weight=80.0, repulsion_weight=0.0, tolerance=1e-4),
 }
 

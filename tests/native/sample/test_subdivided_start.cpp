@@ -89,6 +89,24 @@ TEST(SubdividedStart, LeavesWhatFewSitesDoNotResolve) {
   EXPECT_LT(samples.report.evenness.capacity_variation, 0.05);
 }
 
+class SubdividedOn : public testing::TestWithParam<Shape> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, SubdividedOn, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
+
+TEST_P(SubdividedOn, KeepsTheInvariantsForAnyNumberOfThreads) {
+  const Surface surface = GetParam().surface();
+  SampleOptions options = lattice(0.0);
+  options.optimizer.max_evaluations = 4;
+  options.threads = 1;
+  const Samples base = sample(surface, 620, options);
+  ASSERT_EQ(base.size(), 620u);
+  check(surface, base);
+  check_where_dense(surface, base);
+  options.threads = 2;
+  EXPECT_TRUE(same_bytes(sample(surface, 620, options), base));
+}
+
 TEST(SubdividedStart, CanBeCancelled) {
   const Surface surface = blob(4).surface();
   Context context;
