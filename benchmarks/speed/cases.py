@@ -21,8 +21,8 @@ _FACES = (264, 132)  # around a torus and its tube: 69,696 faces
 _TRACKED = (158, 79)  # 24,964 faces
 _RATIO = 100.0  # largest over smallest density
 # As Blender's qualities of these names.
-_REGULAR: dict[str, Any] = {"capacity_weight": 5.0, "tolerance": 1e-5, "max_evaluations": 400}
-_HONEYCOMB: dict[str, Any] = {"capacity_weight": 0.0, "tolerance": 2e-5, "max_evaluations": 600}
+_REGULAR: dict[str, Any] = {"capacity_weight": 5.0, "tolerance": 5e-5, "max_evaluations": 400}
+_HONEYCOMB: dict[str, Any] = {"capacity_weight": 0.0, "tolerance": 1e-4, "max_evaluations": 600}
 
 
 class Mesh:

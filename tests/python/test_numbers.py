@@ -165,6 +165,16 @@ OTHERS: dict[str, tuple[Call, dict[str, Any]]] = {
         lambda radii, **given: dapple.refine_obstacles(square(), [[0.5, 0.5, 0.0]], radii, **given),
         {"radii": 0.25, "edge": 0.5, "max_faces": 1000},
     ),
+    "reached_by_solids": (
+        lambda **given: dapple.reached_by_solids(
+            ground().vertices, ground().faces, square().vertices, [4], **given
+        ),
+        {"margin": 0.5},
+    ),
+    "touching_solids": (
+        lambda **given: dapple.touching_solids(ground().vertices[:8], [4, 4], **given),
+        {"margin": 0.5},
+    ),
     "refine_outside": (
         lambda **given: dapple.refine_outside(square(), **given),
         {"edge": 0.5, "openness": 0.25, "max_faces": 1000},

@@ -69,8 +69,8 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "DRAFT": {"tolerance": 5e-4, "max_evaluations": 30},
     "NATURAL": {},
     "FINE": {"tolerance": 1e-5},
-    "REGULAR": {"capacity_weight": 5.0, "tolerance": 1e-5, "max_evaluations": 400},
-    "HONEYCOMB": {"capacity_weight": 0.0, "tolerance": 2e-5, "max_evaluations": 600},
+    "REGULAR": {"capacity_weight": 5.0, "tolerance": 5e-5, "max_evaluations": 400},
+    "HONEYCOMB": {"capacity_weight": 0.0, "tolerance": 1e-4, "max_evaluations": 600},
 }
 CUSTOM = ("CUSTOM", "Custom", "Settings in Advanced that match no other quality")
 _SINGLE = 1e-6  # relative precision of Blender's numbers

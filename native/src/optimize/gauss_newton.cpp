@@ -119,9 +119,7 @@ void GaussNewton::add_pairs(const Objective& objective, const Evaluation& state)
 // With equal capacities as the aim, the capacities decide where sites go, and the boundaries'
 // curvature saves nothing. While a frame is restored, nobody waits for a lattice.
 void GaussNewton::add_boundaries(const Objective& objective, const Evaluation& state) {
-  if (objective.terms.size() > 1 || !is_lattice(objective.capacity_weight) ||
-      objective.cvt_weight < 1.0)
-    return boundaries_.clear();
+  if (!objective.forms_lattice()) return boundaries_.clear();
   const RestrictedVoronoi& diagram = state.diagram();
   boundaries_.update(diagram, bases_, objective.scale(0, diagram.cells.size()) / unit_);
 }

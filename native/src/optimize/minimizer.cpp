@@ -23,6 +23,7 @@ constexpr int kReinsertions = 8;   // in one run
 constexpr int kUncut = 5;          // steps in a row that no jump has cut
 constexpr int kGrace = 12;         // additional evaluations, granted once if steps were held back
 constexpr double kLocal = 1e-2;    // of the tolerance, if only a few places remain to be restored
+constexpr double kLattice = 0.2;   // for a lattice, which each step makes better by little
 constexpr int kFailures = 5;       // steps without any decrease: only rounding remains
 constexpr int kFewFailures = 2;    // while restoring
 constexpr double kStuck =
@@ -41,8 +42,7 @@ class Minimizer {
         history_(options.history),
         region_(options.max_step, /*exact=*/restoring()),
         limit_(objective_, options.max_slide),
-        rule_(restoring() ? kLocal * options.tolerance : options.tolerance, options.patience,
-              restoring() ? kFewFailures : kFailures),
+        rule_(tolerance(), options.patience, restoring() ? kFewFailures : kFailures),
         forecast_(options, restoring()),
         last_(options.max_evaluations) {}
 
@@ -67,6 +67,12 @@ class Minimizer {
  private:
   [[nodiscard]] bool restoring() const { return restoration_ != nullptr; }
   [[nodiscard]] bool in_trust_region() const { return options_.method == Method::kTrustRegion; }
+
+  [[nodiscard]] double tolerance() const {
+    if (restoring()) return kLocal * options_.tolerance;
+    const bool lattice = in_trust_region() && objective_.forms_lattice();
+    return lattice ? kLattice * options_.tolerance : options_.tolerance;
+  }
 
   void begin(const Sites& start, const Sites* home) {
     const bool projected = start.barycentric.empty();

@@ -54,6 +54,10 @@ struct Objective {
 
   [[nodiscard]] const Domain& domain() const { return *terms[0].domain; }
   [[nodiscard]] double total_weight() const;
+  /// Whether one set of sites is to form patches of a lattice.
+  [[nodiscard]] bool forms_lattice() const {
+    return terms.size() == 1 && is_lattice(capacity_weight) && cvt_weight >= 1.0;
+  }
   /// To normalized units: n / |S|_phi^2, times the term's weight.
   [[nodiscard]] double scale(std::size_t term, std::size_t sites) const;
 
