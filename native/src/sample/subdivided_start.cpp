@@ -69,7 +69,7 @@ class Subdivision {
     const std::size_t few = quarter(count);
     Stretch coarser(context, 0.0, kFirst), solving(context, kFirst, kSolved),
         dividing(context, kSolved, 1.0);
-    const Sites start = begin(few, coarser.context());
+    Sites start = begin(few, coarser.context());
     if (start.size() == 0) return start;
     const Minimum found = optimized(start, few, solving.context());
     const StageSpan starting(context, Stage::kStart);
@@ -89,8 +89,8 @@ class Subdivision {
  private:
   Sites first(std::size_t count, Context* context) const {
     std::size_t along = 0;
-    Sites sites = make_start(with_count(problem_, count), Start::kPoisson, options_.sample.seed,
-                             context, &along);
+    const Sites sites = make_start(with_count(problem_, count), Start::kPoisson,
+                                   options_.sample.seed, context, &along);
     return 2 * along > count ? Sites() : sites;
   }
 
