@@ -9,29 +9,31 @@
 
 namespace dapple {
 
-Box box_around(std::span<const Vec3> points, double margin) {
-  Box box{points[0], points[0]};
-  for (const Vec3& point : points) box.extend({point, point});
-  return {box.low.array() - margin, box.high.array() + margin};
+Eigen::AlignedBox3d box_around(std::span<const Vec3> points, double margin) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& point : points) box.extend(point);
+  box.min().array() -= margin;
+  box.max().array() += margin;
+  return box;
 }
 
-BoxTree::BoxTree(std::span<const Box> boxes)
+BoxTree::BoxTree(std::span<const Eigen::AlignedBox3d> boxes)
     : boxes_(boxes.begin(), boxes.end()), order_(boxes.size()) {
   std::iota(order_.begin(), order_.end(), std::size_t{0});
   if (!boxes_.empty()) build(0, boxes_.size());
 }
 
 void BoxTree::build(std::size_t begin, std::size_t end) {
-  Box whole = boxes_[order_[begin]];
+  Eigen::AlignedBox3d whole = boxes_[order_[begin]];
   for (std::size_t k = begin; k < end; ++k) whole.extend(boxes_[order_[k]]);
   const std::size_t own = nodes_.size();
   check_at(own);
   nodes_.push_back({whole, begin, end, 0});
   if (end - begin <= kLeaf) return;
   int axis = 0;
-  (whole.high - whole.low).maxCoeff(&axis);
+  whole.sizes().maxCoeff(&axis);
   const auto key = [&](std::size_t k) {
-    return std::pair(boxes_[k].low[axis] + boxes_[k].high[axis], k);
+    return std::pair(boxes_[k].min()[axis] + boxes_[k].max()[axis], k);
   };
   const std::size_t middle = begin + (end - begin) / 2;
   const auto at = [&](std::size_t k) { return order_.begin() + static_cast<std::ptrdiff_t>(k); };

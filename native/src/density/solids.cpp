@@ -32,7 +32,7 @@ class Bodies {
     if (begin != solids.points.size()) fail(solids);
   }
 
-  [[nodiscard]] std::span<const Box> boxes() const { return boxes_; }
+  [[nodiscard]] std::span<const Eigen::AlignedBox3d> boxes() const { return boxes_; }
   [[nodiscard]] std::size_t solid(std::size_t body) const { return solids_[body]; }
 
   [[nodiscard]] bool touches(std::size_t body, std::span<const Vec3> points) const {
@@ -58,7 +58,7 @@ class Bodies {
   double margin_;
   std::vector<std::size_t> solids_;
   std::vector<std::span<const Vec3>> hulls_;
-  std::vector<Box> boxes_;
+  std::vector<Eigen::AlignedBox3d> boxes_;
 };
 
 Reach reach_of(const std::array<Vec3, 3>& face, const Bodies& bodies, const BoxTree& tree) {
