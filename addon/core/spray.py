@@ -103,7 +103,7 @@ class Adding:
         turn = 2.0 * np.pi * own_random(self._seed, rows, stream + 1)
         if self._dabs == 1:
             away[0] = 0.0
-        x, y = _plane(contact.normal)
+        x, y = axes_across(contact.normal)
         flat = np.cos(turn)[:, None] * x + np.sin(turn)[:, None] * y
         flat = contact.place + away[:, None] * flat
         height = np.sqrt(np.maximum(radius**2 - away**2, 0.0))[:, None] * contact.normal
@@ -223,7 +223,7 @@ def _from_the_front(
     return found[np.isfinite(found).all(axis=1)]
 
 
-def _plane(normal: Floats) -> tuple[Floats, Floats]:
+def axes_across(normal: Floats) -> tuple[Floats, Floats]:
     """Two axes at right angles to a unit normal and to each other."""
     other = np.eye(3)[np.argmin(np.abs(normal))]
     x = np.cross(normal, other)

@@ -19,6 +19,7 @@ from ..surface.reading import read
 from .hand_placed import (
     forget_places,
     is_being_edited,
+    kind_of_new,
     moved_points,
     new_points,
     note_places,
@@ -66,7 +67,7 @@ def end_editing(context: bpy.types.Context) -> tuple[int, int]:
     try:
         moved, lost = moved_points(obj), _lost(obj)
         if (moved | new_points(obj)).any() or len(lost):
-            kind = obj.dapple.object_type_index if obj.dapple.object_types else 0
+            kind = kind_of_new(obj)
             moved = take_in(obj, moved, kind, lost)
     except ScatterError:
         bpy.ops.object.mode_set(mode=mode)

@@ -105,6 +105,11 @@ def _rest(
     return AtRest(columns, found.parts)
 
 
+def kind_of_new(obj: bpy.types.Object) -> int:
+    """The number of the active object type, which new points get; 0 without object types."""
+    return int(obj.dapple.object_type_index) if obj.dapple.object_types else 0
+
+
 def follow_count(obj: bpy.types.Object) -> None:
     """Set the count of the settings to the number of points, unless the settings were changed since
     the points were solved.

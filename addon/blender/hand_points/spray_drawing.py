@@ -10,7 +10,7 @@ import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from gpu_extras.batch import batch_for_shader
 
-from ...core.spray import Contact
+from ...core.spray import Contact, axes_across
 from ...core.surface.arrays import Floats
 from ...core.surface.mesh_snapshot import Singles
 from .picking import Pixels
@@ -105,11 +105,9 @@ def pixels_of(
 
 def _around(contact: Contact, radius: float) -> Floats:
     """Places on a circle around the normal of the surface."""
-    other = np.eye(3)[np.argmin(np.abs(contact.normal))]
-    x = np.cross(contact.normal, other)
-    x /= np.linalg.norm(x)
+    x, y = axes_across(contact.normal)
     turn = np.linspace(0.0, 2.0 * np.pi, _SEGMENTS + 1)[:, None]
-    circle = np.cos(turn) * x + np.sin(turn) * np.cross(contact.normal, x)
+    circle = np.cos(turn) * x + np.sin(turn) * y
     found: Floats = contact.place + radius * circle
     return found
 

@@ -21,6 +21,7 @@ from ..base.step_operators import OPTIONS, AllOrNothing, Status, tried
 from ..base.translation import translated, translated_report
 from ..solve import auto_update
 from ..surface.polls import editable
+from .hand_placed import kind_of_new
 from .spray_drawing import Dots
 from .spraying import Dab, Pen, Stroke, spacing_of
 
@@ -230,7 +231,7 @@ class DAPPLE_OT_spray_points(AllOrNothing, bpy.types.Operator):
             )
         if self.object_type >= 0:
             return int(self.object_type)
-        return obj.dapple.object_type_index if obj.dapple.object_types else 0
+        return kind_of_new(obj)
 
     def _dab(self, row: int) -> Dab:
         place = np.array(self.stroke[row].location, dtype=np.float64)

@@ -14,6 +14,7 @@ from ..base.step_operators import Status, tried
 from ..base.translation import translated_report
 from ..solve import auto_update
 from ..surface.polls import editable
+from .hand_placed import kind_of_new
 from .picking import place_under_mouse
 from .single_points import add_point, move_point, nearest_point, remove_point
 from .spray_tool import DAPPLE_TOOL_spray
@@ -74,7 +75,7 @@ class DAPPLE_OT_pull_point(bpy.types.Operator):
         if self.remove and point is not None:
             remove_point(obj, point)
         elif not self.remove and point is None:
-            kind = obj.dapple.object_type_index if obj.dapple.object_types else 0
+            kind = kind_of_new(obj)
             add_point(obj, place, kind)
         elif point is None:
             return {"CANCELLED"}

@@ -145,7 +145,7 @@ Tangent GaussNewton::pull_of_neighbors(const TangentVectors& v, std::size_t k) c
 }
 
 void GaussNewton::apply(const TangentVectors& v, const Trust& trust, TangentVectors& result) {
-  const bool bends = trust.boundaries > 0.0 && has_boundaries();
+  const bool subtracts = subtracts_boundaries(trust);
   parallel_chunks(v.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       Tangent sum = (trust.delta * masses_[k] + (held_.empty() ? 0.0 : held_[k])) * v[k];
@@ -153,7 +153,7 @@ void GaussNewton::apply(const TangentVectors& v, const Trust& trust, TangentVect
       for (const Side& side : sides(k))
         sum += (side.own.dot(v[k]) - side.others.dot(v[static_cast<std::size_t>(side.other)])) *
                side.own;
-      if (bends) sum += -boundaries_.product(v, k, trust.boundaries);
+      if (subtracts) sum += -boundaries_.product(v, k, trust.boundaries);
       result[k] = sum;
     }
   });
@@ -161,12 +161,12 @@ void GaussNewton::apply(const TangentVectors& v, const Trust& trust, TangentVect
 }
 
 void GaussNewton::precondition(const Trust& trust) {
-  const bool bends = trust.boundaries > 0.0 && has_boundaries();
+  const bool subtracts = subtracts_boundaries(trust);
   inverse_.resize(blocks_.size());
   for_each_vector(inverse_.size(), [&](std::size_t k) {
     const bool locked = !locked_.empty() && locked_[k];
     TangentBlock block = blocks_[k];
-    if (bends) block -= boundaries_.block(k, trust.boundaries);
+    if (subtracts) block -= boundaries_.block(k, trust.boundaries);
     inverse_[k] = locked ? TangentBlock() : block.inverse(trust.delta * masses_[k]);
   });
 }

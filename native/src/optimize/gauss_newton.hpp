@@ -59,6 +59,9 @@ class GaussNewton {
   void add_pairs(const Objective& objective, const Evaluation& state);
   void add_boundaries(const Objective& objective, const Evaluation& state);
   void add_blocks();
+  [[nodiscard]] bool subtracts_boundaries(const Trust& trust) const {
+    return trust.boundaries > 0.0 && has_boundaries();
+  }
   [[nodiscard]] std::span<const Side> sides(std::size_t site) const {
     return std::span(sides_).subspan(side_starts_[site],
                                      side_starts_[site + 1] - side_starts_[site]);

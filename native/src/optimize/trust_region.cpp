@@ -135,8 +135,8 @@ Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
     cut_few(objective, state, max_step_, direction);
     const double excess = step_excess(objective, state, max_step_, direction);
     const bool descends = dot(direction, state.gradient) < 0.0;
-    const bool bends_back = trust_.boundaries > 0.0 && model_.is_indefinite();
-    if ((excess <= 1.0 + kRounding && descends && !bends_back) || trust_.delta > kMost) {
+    const bool overshoots = trust_.boundaries > 0.0 && model_.is_indefinite();
+    if ((excess <= 1.0 + kRounding && descends && !overshoots) || trust_.delta > kMost) {
       direction = keep_apart(objective, state, std::move(direction));
       if (separates_) separate_crowded(objective, state, direction);
       if (objective.holds_discs)

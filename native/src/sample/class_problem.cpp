@@ -75,6 +75,12 @@ bool any_radius(const ClassProblem& problem) {
                      [](const auto& member) { return member.radius > 0.0; });
 }
 
+bool is_one_free_class(const ClassProblem& problem) {
+  if (problem.classes.size() != 1) return false;
+  const ClassProblem::Member& only = problem.classes[0];
+  return only.locked.size() == 0 && only.radius == 0.0 && problem.all->period() == 0.0;
+}
+
 void check(const ClassProblem& problem, const ClassOptions& options) {
   check_options(options);
   check_counts(problem);

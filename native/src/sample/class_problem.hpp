@@ -25,6 +25,10 @@ struct ClassProblem {
 
 [[nodiscard]] bool any_radius(const ClassProblem& problem);
 
+/// Whether there is one class alone on a surface or in the plane, without discs, whose sites may go
+/// anywhere.
+[[nodiscard]] bool is_one_free_class(const ClassProblem& problem);
+
 /// \throw ArgumentError for options out of range, or radii whose discs exceed the densest packing
 void check(const ClassProblem& problem, const ClassOptions& options);
 

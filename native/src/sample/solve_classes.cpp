@@ -220,9 +220,7 @@ void go_on_along(ClassMinimum& found, OptimizerOptions options, Context* context
 
 /// Whether sites may go anywhere, and nothing but equal cells is wanted.
 bool is_plain(const ClassProblem& problem, const ClassOptions& options) {
-  const ClassProblem::Member& first = problem.classes[0];
-  return problem.classes.size() == 1 && first.locked.size() == 0 && first.radius == 0.0 &&
-         problem.all->period() == 0.0 && options.sample.optimizer.method == Method::kTrustRegion &&
+  return is_one_free_class(problem) && options.sample.optimizer.method == Method::kTrustRegion &&
          options.sample.optimizer.capacity_weight >= kUseful;
 }
 

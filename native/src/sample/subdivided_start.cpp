@@ -115,12 +115,10 @@ class Subdivision {
 }  // namespace
 
 bool can_subdivide(const ClassProblem& problem, const ClassOptions& options) {
-  if (problem.classes.size() != 1) return false;
-  const ClassProblem::Member& only = problem.classes[0];
   const OptimizerOptions& optimizer = options.sample.optimizer;
-  return options.sample.start == Start::kPoisson && optimizer.method == Method::kTrustRegion &&
-         is_lattice(optimizer.capacity_weight) && only.count >= kParts * kFewest &&
-         only.locked.size() == 0 && only.radius == 0.0 && problem.all->period() == 0.0;
+  return is_one_free_class(problem) && options.sample.start == Start::kPoisson &&
+         optimizer.method == Method::kTrustRegion && is_lattice(optimizer.capacity_weight) &&
+         problem.classes[0].count >= kParts * kFewest;
 }
 
 SubdividedStart subdivided_start(const ClassProblem& problem, const ClassOptions& options,
