@@ -47,6 +47,22 @@ void expect_watched(const Work& work, double longest_leap = 0.6) {
   expect_honest_progress(work, longest_leap);
 }
 
+/// A frame that is cancelled leaves the samples as they were.
+/// \param next vertices, or a surface of other faces
+template <typename Next>
+void expect_frame_watched(const Population& fresh, const Next& next) {
+  Population population = fresh;
+  cancel_everywhere(
+      [&](Context* context) {
+        if (cancel_at == kNever)
+          Population(fresh).advance(next, context);
+        else
+          population.advance(next, context);
+      },
+      [&] { EXPECT_TRUE(same_bytes(population.samples(), fresh.samples())); });
+  expect_honest_progress([&](Context* context) { Population(fresh).advance(next, context); });
+}
+
 OptimizerOptions few_steps() { return {.max_evaluations = 4}; }
 
 TEST(Watched, ASample) {
@@ -257,16 +273,7 @@ TEST(Watched, AFrameOfAPopulation) {
       mapped(shape, [](const Vec3& p) { return Vec3(1.3 * p.x(), p.y(), p.z()); }).vertices;
   const Population fresh(shape.surface(), sample(shape.surface(), 80),
                          {.tracker = {.optimizer = few_steps()}});
-  Population population = fresh;
-  cancel_everywhere(
-      [&](Context* context) {
-        if (cancel_at == kNever)
-          Population(fresh).advance(next, context);
-        else
-          population.advance(next, context);
-      },
-      [&] { EXPECT_TRUE(same_bytes(population.samples(), fresh.samples())); });
-  expect_honest_progress([&](Context* context) { Population(fresh).advance(next, context); });
+  expect_frame_watched(fresh, next);
 }
 
 TEST(Watched, AFrameOfOtherFaces) {
@@ -275,16 +282,7 @@ TEST(Watched, AFrameOfOtherFaces) {
       remeshed(1), [](const Vec3& p) { return Vec3(1.2 * p.x(), p.y(), p.z()); });
   const Surface first = remeshed(0).surface(), next = moved.surface();
   const Population fresh(first, sample(first, 80), {.tracker = {.optimizer = few_steps()}});
-  Population population = fresh;
-  cancel_everywhere(
-      [&](Context* context) {
-        if (cancel_at == kNever)
-          Population(fresh).advance(next, context);
-        else
-          population.advance(next, context);
-      },
-      [&] { EXPECT_TRUE(same_bytes(population.samples(), fresh.samples())); });
-  expect_honest_progress([&](Context* context) { Population(fresh).advance(next, context); });
+  expect_frame_watched(fresh, next);
 }
 
 TEST(Watched, AWindowOfFrames) {

@@ -251,30 +251,21 @@ Prepare sampling_in_pairs(int threads) {
   });
 }
 
-Prepare remeshing(int threads) {
-  const Surface surface = box(2).surface();
-  return again([surface, threads](Hash& hash) {
+Prepare remeshing(const Surface& surface, std::size_t count, double max_distance, int threads) {
+  return again([surface, count, max_distance, threads](Hash& hash) {
     RemeshOptions options;
     options.optimizer.max_evaluations = 3;
+    options.max_distance = max_distance;
     options.threads = threads;
-    const RemeshResult mesh = remesh(surface, 40, options);
+    const RemeshResult mesh = remesh(surface, count, options);
     hash.add(mesh.vertices);
     hash.add(mesh.faces);
   });
 }
 
-Prepare remeshing_near(int threads) {
-  const Surface surface = icosphere(1).surface();
-  return again([surface, threads](Hash& hash) {
-    RemeshOptions options;
-    options.optimizer.max_evaluations = 3;
-    options.max_distance = 0.2;
-    options.threads = threads;
-    const RemeshResult mesh = remesh(surface, 10, options);
-    hash.add(mesh.vertices);
-    hash.add(mesh.faces);
-  });
-}
+Prepare remeshing_a_box(int threads) { return remeshing(box(2).surface(), 40, 0.0, threads); }
+
+Prepare remeshing_near(int threads) { return remeshing(icosphere(1).surface(), 10, 0.2, threads); }
 
 Prepare covering(int) {
   const Surface surface = grid(3).surface();
@@ -419,7 +410,7 @@ constexpr std::array kCases = {
     Case{"Mosaic", tiling},
     Case{"Lines", sampling_lines},
     Case{"Symmetric", sampling_in_pairs},
-    Case{"Remesh", remeshing},
+    Case{"Remesh", remeshing_a_box},
     Case{"RemeshNear", remeshing_near},
     Case{"Decals", covering},
     Case{"Refine", refining},
