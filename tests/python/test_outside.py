@@ -135,6 +135,18 @@ def test_what_is_hidden_at_rest_stays_hidden(surface):
     assert not is_hidden(back.positions).any()
 
 
+def test_a_deformed_body_keeps_the_skin_of_its_rest_position(surface, monkeypatch):
+    """Its spacing differs, but what is hidden is not looked for on each frame anew."""
+    first = density.MaskedSurface(surface, count=COUNT, outside=0.05)
+    longer = surface.deformed(surface.vertices * [1.0, 1.0, 1.5])
+    rest = surface.vertices
+    monkeypatch.setattr(density.masked, "refine_outside", None)
+    masked = density.MaskedSurface(longer, count=COUNT, outside=0.05, like=first, rest=rest)
+    for one, other in zip(masked.pieces, first.pieces, strict=True):
+        np.testing.assert_array_equal(one, other)
+    np.testing.assert_array_equal(masked.corner_density(), first.corner_density())
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

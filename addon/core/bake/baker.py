@@ -15,7 +15,7 @@ from ..settings.values import Settings
 from ..solve.class_counts import resumed_on, tracked
 from ..solve.solve import Report, report_of
 from ..surface.arrays import REATTACH, Floats, Ints, SurfaceArrays, check_same_topology
-from ..surface.binding import placed_of, rebound, samples_of
+from ..surface.binding import placed_of, places_on, rebound, samples_of
 from ..surface.frames import carried, shading
 from ..surface.records import Binding, Placed
 from ..surface.rest import Shape, rebound_at_rest
@@ -70,6 +70,7 @@ class Baker:
         self.last = start.binding
         self.tilts = TiltTracker()
         self._shape: Shape | None = None  # of the topology, where points are bound to its rest
+        self._places: tuple[Ints, Floats] | None = None  # of the start, on the topology's faces
         self.tracker: Any = None
         self.masked_surfaces = MaskedSurfaces(self.bound, start.settings)
         self._stands_on: Any = None  # the ground of the tracker
@@ -116,7 +117,7 @@ class Baker:
         self._chain.add(before)
         self._note_bound(after)
         self.start = replace(self.start, binding=self.last)
-        self.bound, self._tracked, self._shape = after, self.done, None
+        self.bound, self._tracked, self._shape, self._places = after, self.done, None, None
         self.masked_surfaces.begin(after)
         self._begun = self._density_since = self.done
         self.topologies.append(after.topology)
@@ -244,9 +245,10 @@ class Baker:
     def _started(self, masked: Any) -> Any:
         """Samples at the start of the topology, on a surface with its faces."""
         start = self.start
-        return masked.from_original(
-            samples_of(start.binding, masked.original, start.ids, start.classes)
-        )
+        if self._places is None:
+            self._places = places_on(self.masked_surfaces.first.original, start.binding)
+        who = {"ids": start.ids, "classes": start.classes}
+        return masked.from_original(package().Samples(masked.original, *self._places, **who))
 
     def _go_over_to(self, masked: Any) -> None:
         """Move the tracker to another surface, at the last frame."""

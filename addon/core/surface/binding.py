@@ -30,7 +30,12 @@ def placed_of(samples: Any, surface: SurfaceArrays) -> Placed:
 
 
 def samples_of(binding: Binding, surface: Any, ids: Ints, classes: Ints) -> Any:
-    """dapple.Samples of a stored binding on a dapple.Surface.
+    """dapple.Samples of a stored binding on a dapple.Surface."""
+    return package().Samples(surface, *places_on(surface, binding), ids=ids, classes=classes)
+
+
+def places_on(surface: Any, binding: Binding) -> tuple[Ints, Floats]:
+    """Faces (n,) of a dapple.Surface and barycentrics (n, 3) of a stored binding.
 
     A quad may be cut along the other diagonal than when the points were bound. Points whose
     triangle no longer exists move to the closest place of the surface.
@@ -41,7 +46,7 @@ def samples_of(binding: Binding, surface: Any, ids: Ints, classes: Ints) -> Any:
         points = binding.positions(surface.vertices)[lost]
         closest = package().project(surface, points)
         faces[lost], weights[lost] = closest.faces, closest.barycentric
-    return package().Samples(surface, faces, weights, ids=ids, classes=classes)
+    return faces, weights
 
 
 def rebound(before: Binding, first: SurfaceArrays, surface: SurfaceArrays) -> Binding:

@@ -93,3 +93,36 @@ def multiplied(surface: Surface, *factors: Floats) -> Surface:
         return surface
     values, at = placed(product(terms, surface.faces))
     return surface.with_density(values, density_at=at)
+
+
+def longest_edges(points: Floats, faces: Ints) -> Floats:
+    """Longest edge (m,) of faces (m, 3) of vertices (v, 3)."""
+    a, b, c = _corners(points, faces)
+    squares = [_squared_length(_difference(*ends)) for ends in ((a, b), (b, c), (c, a))]
+    found: Floats = np.sqrt(np.maximum(np.maximum(squares[0], squares[1]), squares[2]))
+    return found
+
+
+def face_areas(points: Floats, faces: Ints) -> Floats:
+    """Area (m,) of faces (m, 3) of vertices (v, 3)."""
+    a, b, c = _corners(points, faces)
+    u, v = _difference(b, a), _difference(c, a)
+    cross = [u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)]
+    found: Floats = 0.5 * np.sqrt(_squared_length(cross))
+    return found
+
+
+def _corners(points: Floats, faces: Ints) -> list[list[Floats]]:
+    """By corner and axis (m,): whole columns are several times faster than rows of three."""
+    axes = np.ascontiguousarray(points.T)
+    return [[axis[corner] for axis in axes] for corner in np.ascontiguousarray(faces.T)]
+
+
+def _difference(one: list[Floats], other: list[Floats]) -> list[Floats]:
+    return [x - y for x, y in zip(one, other, strict=True)]
+
+
+def _squared_length(axes: list[Floats]) -> Floats:
+    x, y, z = axes
+    found: Floats = x * x + y * y + z * z
+    return found

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._native import Surface, seen_from
-from .arrays import Flags, Floats, Ints, shaped
+from .arrays import Flags, Floats, Ints, longest_edges, shaped
 from .nearest import Body, Mesh, Nearest
 from .noise import bend, noise
 from .ranges import Range
@@ -73,8 +73,8 @@ class RangeField(Field):
         return self._within.factors(self._looked_up(points))
 
     def changes(self, points: Floats, faces: Ints) -> Flags:
-        values, corners = self._looked_up(points)[faces], points[faces]
-        beyond = self.beyond(_longest_edges(corners))
+        values = self._looked_up(points)[faces]
+        beyond = self.beyond(longest_edges(points, faces))
         least, most = values.min(axis=1), values.max(axis=1)
         found: Flags = self._within.varies(least - beyond, most + beyond)
         found &= most - least + beyond > _COARSE * self._within.falloff
@@ -120,7 +120,7 @@ class Clearance(Distance):
 
     def changes(self, points: Floats, faces: Ints) -> Flags:
         farthest = self._looked_up(points)[faces].max(axis=1)
-        longest = _longest_edges(points[faces])
+        longest = longest_edges(points, faces)
         farthest += np.where(longest > 0.5 * self._distance, self.beyond(longest), 0.0)
         found: Flags = ~self._is_clear(points, faces) & (farthest >= self._distance)
         return found
@@ -132,7 +132,7 @@ class Clearance(Distance):
 
     def _is_clear(self, points: Floats, faces: Ints) -> Flags:
         nearest = self._looked_up(points)[faces].min(axis=1)
-        found: Flags = nearest**2 >= self._distance**2 + _longest_edges(points[faces]) ** 2 / 3.0
+        found: Flags = nearest**2 >= self._distance**2 + longest_edges(points, faces) ** 2 / 3.0
         return found
 
 
@@ -268,7 +268,7 @@ class Camera(Field):
             rows = np.flatnonzero(~beyond & ~found)
             seen = self._seen_of_faces(points, faces[rows])
             mixed = seen.any(axis=1) & ~seen.all(axis=1)
-            found[rows] = mixed | (_longest_edges(points[faces[rows]]) > self._longest)
+            found[rows] = mixed | (longest_edges(points, faces[rows]) > self._longest)
         return found
 
     def at_corners(self, points: Floats, faces: Ints) -> Floats:
@@ -315,32 +315,42 @@ class Obstacle(Field):
 
     def __init__(self, vertices: Floats, faces: Ints, margin: float) -> None:
         self._body, self._margin = Body(vertices, faces), margin
+        self._known: tuple[Floats, Floats] = (np.empty((0, 3)), np.empty(0))
 
     def values(self, points: Floats) -> Floats:
-        return (self._outside(points, self._margin) >= self._margin).astype(np.float64)
+        beyond = self._body.beyond(points)
+        found = np.ones(len(points))
+        near = np.flatnonzero(beyond <= self._margin)
+        found[near] = self._outside(points, near) >= self._margin
+        return found
 
     def changes(self, points: Floats, faces: Ints) -> Flags:
         """By the corners' distances: nothing else is known of what lies between them."""
         found = np.zeros(len(faces), dtype=bool)
         if not len(faces):
             return found
-        longest = _longest_edges(points[faces])
+        longest = longest_edges(points, faces)
         near = self._body.beyond(points) <= self._margin + float(longest.max())
         chosen = np.flatnonzero(near[faces].any(axis=1))
-        used = np.zeros(len(points), dtype=bool)
-        used[faces[chosen]] = True
+        used = np.unique(faces[chosen])
         away = np.full(len(points), np.inf)
-        away[used] = np.abs(self._outside(points[used], np.inf) - self._margin)
+        away[used] = np.abs(self._outside(points, used) - self._margin)
         found[chosen] = away[faces[chosen]].min(axis=1) <= longest[chosen]
         return found
 
-    def _outside(self, points: Floats, needed: float) -> Floats:
-        """Distances (k,) from the body, less than 0 inside; infinite where a box around it tells
-        that they are larger than needed.
+    def _outside(self, points: Floats, chosen: Ints) -> Floats:
+        """Distances (k,) from the body of some of the points, less than 0 inside.
+
+        They are kept: points are looked up again after faces are cut, with new ones at the end.
         """
-        found = np.full(len(points), np.inf)
-        near = self._body.beyond(points) <= needed
-        found[near] = self._body.outside(points[near])
+        places, known = self._known
+        if not np.array_equal(points[: len(places)], places):
+            known = np.empty(0)
+        known = np.concatenate([known, np.full(len(points) - len(known), np.nan)])
+        self._known = (points.copy(), known)
+        new = chosen[np.isnan(known[chosen])]
+        known[new] = self._body.outside(points[new])
+        found: Floats = known[chosen]
         return found
 
 
@@ -359,13 +369,6 @@ def needs_cut(
     for field, points in zip(fields, places, strict=True):
         open_ones = np.flatnonzero(~found & (lengths > field.coarseness * target))
         found[open_ones] = field.changes(points, faces[open_ones])
-    return found
-
-
-def _longest_edges(corners: Floats) -> Floats:
-    """Of triangles (m, 3, 3): (m,)."""
-    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-    found: Floats = edges.max(axis=1)
     return found
 
 

@@ -29,6 +29,8 @@ from .arrays import (
     at_corners,
     check_values,
     density_of,
+    face_areas,
+    longest_edges,
     placed,
     product,
     shaped,
@@ -59,10 +61,11 @@ class _Skin:
     edge: float
     refined: Refined  # of the surface; its density is 0 where that is hidden
 
-    def fits(self, surface: Surface, openness: float, edge: float) -> bool:
-        """Whether it is what another surface would have."""
+    def fits(self, surface: Surface, openness: float, edge: float | None) -> bool:
+        """Whether it is what another surface at rest would have; edges of any length fit None."""
         return (
-            (self.openness, self.edge) == (openness, edge)
+            self.openness == openness
+            and edge in (None, self.edge)
             and np.array_equal(self.surface.vertices, surface.vertices)
             and np.array_equal(self.surface.faces, surface.faces)
         )
@@ -319,11 +322,14 @@ class MaskedSurface:
 
     def _leave_out_hidden(self, openness: float, count: int, known: _Skin | None) -> None:
         """Remove the density of hidden places; what is hidden at rest stays so."""
-        edge = _AT_HIDDEN * _spacing(self.surface, self.corner_density(), count)
-        at_rest = self.surface if self._rest is None else self.surface.deformed(self._rest)
-        if known is None or not known.fits(at_rest, openness, edge):
+        edge, moved = _AT_HIDDEN * _spacing(self.surface, self.corner_density(), count), False
+        at_rest = self.surface
+        if self._rest is not None:
+            moved, at_rest = True, self.surface.deformed(self._rest)
+        # In a deformation the spacing differs on each frame, and finding the skin anew takes long.
+        if known is None or not known.fits(at_rest, openness, None if moved else edge):
             known = self._skin_of(at_rest.with_density(None), openness, edge)
-        self._skin, moved = known, self._rest is not None
+        self._skin = known
         self._extend(known.refined.deformed(self.surface.vertices) if moved else known.refined)
         if density_of(self._original) is not None:
             own = self._carried(self.own_density)
@@ -354,7 +360,7 @@ class MaskedSurface:
     def _halve(self, long: Callable[[Floats], Flags]) -> None:
         """Halve the edges of faces, until by their longest edges (m,) none is too long."""
         for _ in range(_ROUNDS):
-            lengths = _longest_edges(self.surface)
+            lengths = longest_edges(self.surface.vertices, self.surface.faces)
             chosen = long(lengths)
             if not chosen.any():
                 break
@@ -448,16 +454,8 @@ def _blocked(fields: Sequence[Field], surface: Surface) -> Flags:
     return found
 
 
-def _longest_edges(surface: Surface) -> Floats:
-    corners = surface.vertices[surface.faces]
-    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-    found: Floats = edges.max(axis=1)
-    return found
-
-
 def _spacing(surface: Surface, density: Floats, count: int) -> float:
     """Of so many points, packed as well as can be on what the density leaves of a surface."""
-    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
-    areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    areas = face_areas(surface.vertices, surface.faces)
     left = float((areas * (density.mean(axis=1) > 0.0)).sum())
     return float(np.sqrt(2.0 * left / (np.sqrt(3.0) * count)))
