@@ -3,6 +3,7 @@
 
 import bpy
 
+from ...core.bake.overlaps import Overlap, overlaps_from
 from ...core.settings.edge_table import ON_EDGES
 from ..base.panel_values import CachedValue
 from ..base.sidebars import lines_of
@@ -63,9 +64,7 @@ class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
         _draw_size(layout, owner)
         _draw_color(layout, context.object)
         if settings.report.worst_overlap >= _SHOWN_SHARE:
-            row = layout.row()
-            row.label(text=_overlap(settings))
-            row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
+            _draw_overlap(layout, settings)
         layout.operator(DAPPLE_OT_select_overlapping.bl_idname)
 
 
@@ -134,13 +133,33 @@ def active_type(settings: bpy.types.AnyType) -> bpy.types.AnyType:
     return kinds[min(max(at, 0), len(kinds) - 1)] if kinds else settings
 
 
-def _overlap(settings: bpy.types.AnyType) -> str:
-    report = settings.report
-    share = 100 * report.worst_overlap
-    if not settings.baked_keys:
-        return translated("Max overlap {share:.0f} %", share=share)
-    frame = report.overlap_frame
-    return translated("Max overlap {share:.0f} % in frame {frame}", share=share, frame=frame)
+def _draw_overlap(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
+    report, baked = settings.report, settings.baked_keys > 0
+    row = layout.row()
+    row.label(text=_overlap(report.worst_overlap, report.overlap_frame, baked))
+    row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
+    if not baked:
+        return
+    found, at = overlaps_from(report.type_overlaps), settings.object_type_index
+    if 1 < len(found) == len(settings.object_types):
+        layout.label(text=_of_type(found[min(max(at, 0), len(found) - 1)]))
+    if report.overlap_between:
+        text = translated("That is between keyframes: reduce Keyframe Step")
+        lines_of(layout, text, "INFO")
+
+
+def _overlap(share: float, frame: int, baked: bool) -> str:
+    if not baked:
+        return translated("Max overlap {share:.0f} %", share=100 * share)
+    return translated("Max overlap {share:.0f} % in frame {frame}", share=100 * share, frame=frame)
+
+
+def _of_type(own: Overlap) -> str:
+    if own.share < _SHOWN_SHARE:
+        return translated("Of this type no overlap")
+    return translated(
+        "Of this type {share:.0f} % in frame {frame}", share=100 * own.share, frame=own.frame
+    )
 
 
 def _draw_class_list(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:

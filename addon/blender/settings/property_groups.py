@@ -117,6 +117,15 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
     overlap_frame: IntProperty(
         name="Overlap Frame", description="Baked frame with the largest overlap"
     )
+    overlap_between: BoolProperty(
+        name="Overlap Between Keyframes",
+        description="Whether the baked frame with the largest overlap is not a keyframe",
+    )
+    type_overlaps: StringProperty(
+        name="Overlaps of Object Types",
+        description="Largest overlap of each object type in a bake, its frame, and whether that is "
+        "between keyframes, as JSON",
+    )
     measured: BoolProperty(
         name="Measured",
         description="Whether the figures belong to the current points",

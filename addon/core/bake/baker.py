@@ -7,6 +7,7 @@ without a stop.
 """
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from ..base.errors import ScatterError
@@ -21,6 +22,7 @@ from ..surface.records import Binding, Placed
 from ..surface.rest import Shape, rebound_at_rest
 from .keys import Baked, Keyframes
 from .masked_surfaces import MaskedSurfaces
+from .overlaps import Overlaps, discs_at
 from .sidecar import Fingerprint, Sidecar, Solved
 from .tilt import TiltTracker
 
@@ -77,6 +79,10 @@ class Baker:
         self._begun = 0  # frames before the topology begins
         self._density_since = -1  # frames before the density is another
         self._tracked = 0  # number of frames that the tracker has processed
+        self._overlaps: Overlaps | None = None  # where object types have a radius
+        if any(kind.radius > 0.0 for kind in start.settings.object_types):
+            self._overlaps = Overlaps(len(start.settings.object_types))
+            self.keyframes.played = partial(self._note_overlaps, between=True)
         self._solved: Solved  # the last frame that is done, and its vertices
         self._vertices: Floats
 
@@ -184,16 +190,11 @@ class Baker:
     def report(self) -> Report:
         """The worst spacing, variation and overlap of all frames, and the mean cost of a frame."""
         every = self.reports
-        worst = max(range(len(every)), key=lambda frame: every[frame].worst_overlap)
-        found = every[worst].of_ids(self.start.ids)
         reports = [report for report in every if report.count] or every
         count = max(len(reports), 1)
         return replace(
             reports[-1],
-            worst_overlap=found.worst_overlap,
-            overlap_first=found.overlap_first,
-            overlap_second=found.overlap_second,
-            overlap_frame=self.first + worst,
+            **self._overlap_figures(),
             alpha_min=min(report.alpha_min for report in reports),
             alpha_mean=sum(report.alpha_mean for report in reports) / count,
             capacity_variation=max(report.capacity_variation for report in reports),
@@ -205,6 +206,21 @@ class Baker:
             key_error_max=self.keyframes.error.largest,
             key_error_mean=self.keyframes.error.mean,
         )
+
+    def _overlap_figures(self) -> dict[str, Any]:
+        """The figures of the report that tell where discs overlap."""
+        if self._overlaps is None:
+            return {}
+        largest = self._overlaps.largest
+        first, second = largest.ids
+        return {
+            "worst_overlap": largest.share,
+            "overlap_first": first,
+            "overlap_second": second,
+            "overlap_frame": largest.frame,
+            "overlap_between": largest.between,
+            "type_overlaps": self._overlaps.text(),
+        }
 
     def baked(self) -> Baked:
         """The keyframes of all frames."""
@@ -304,6 +320,11 @@ class Baker:
             raise ScatterError(f"Frame {self.first + len(self.reports)}: {other}")
 
     @property
+    def all_ids(self) -> Ints:
+        """Ids of all rows of a frame."""
+        return self.start.ids
+
+    @property
     def classes(self) -> Ints:
         """Object types of all rows of a frame."""
         return self.start.classes
@@ -320,3 +341,20 @@ class Baker:
         if self.fits:
             placed = self.masked_surfaces.with_clearance(placed, self._vertices, self.classes)
         self.keyframes.add(placed, self.bound, self._now, spacing)
+        points = placed.binding.positions(self._vertices)
+        self._note_overlaps(len(self.reports) - 1, points, placed, self._vertices)
+
+    def _note_overlaps(
+        self,
+        frame: int,
+        points: Floats,
+        placed: Placed,
+        vertices: Floats,
+        *,
+        between: bool = False,
+    ) -> None:
+        """Measure how far discs overlap in a frame, counted from 0."""
+        if self._overlaps is not None:
+            radii, who = self.masked_surfaces.radii, (self.all_ids, self.classes)
+            discs = discs_at(points, placed, vertices, radii, who)
+            self._overlaps.add(discs, self.first + frame, between=between)

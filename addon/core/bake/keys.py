@@ -9,7 +9,7 @@ next one: docs/bake.md. If points are bound to the rest shape, the triangles als
 on it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -125,6 +125,9 @@ class Keyframes:
 
     count: int  # total number of frames
     every: int = 1
+    # Called for each frame without a keyframe, counted from 0: with the points as they are played,
+    # where they were solved, and the vertices of the surface.
+    played: Callable[[int, Floats, Placed, Floats], None] | None = None
     error: KeyDistance = field(default_factory=KeyDistance)
     _next: int = 0
     _start: int = 0  # first frame of the current topology
@@ -315,7 +318,10 @@ class Keyframes:
                 self._table[between, :3] = key - 1, between - begin, frame - begin
             for waiting in self._waiting:
                 share = (waiting.frame - begin) / (frame - begin)
-                self.error.add(_distances(waiting, binding, placed.binding, share))
+                mixed = _mixed(waiting, binding, placed.binding, share)
+                self.error.add(_distances(waiting, mixed))
+                if self.played is not None:
+                    self.played(waiting.frame, mixed, waiting.placed, waiting.vertices)
         self._waiting.clear()
         self.last = frame, placed.binding
         places = np.column_stack([placed.binding.barycentric[:, 1:], placed.binding.angle])
@@ -345,11 +351,17 @@ def padded(tilts: Floats, count: int) -> Floats:
     return found
 
 
-def _distances(waiting: _Waiting, before: Binding, after: Binding, share: float) -> Floats:
-    """Distances of two interpolated keyframes from the solved points, on the frame's surface."""
-    known = len(before.corners)  # points that appear in between are not in the first keyframe
+def _mixed(waiting: _Waiting, before: Binding, after: Binding, share: float) -> Floats:
+    """Points of two interpolated keyframes on the surface of a frame, without those that appear in
+    between, which are not in the first keyframe.
+    """
     first = before.positions(waiting.vertices)
-    second = after.positions(waiting.vertices)[:known]
-    solved = waiting.placed.binding.positions(waiting.vertices)[:known]
-    apart = np.linalg.norm((1.0 - share) * first + share * second - solved, axis=1)
-    return apart / max(waiting.spacing, 1e-30)
+    second = after.positions(waiting.vertices)[: len(first)]
+    found: Floats = (1.0 - share) * first + share * second
+    return found
+
+
+def _distances(waiting: _Waiting, mixed: Floats) -> Floats:
+    """Distances of interpolated points from the solved ones, in spacings."""
+    solved = waiting.placed.binding.positions(waiting.vertices)[: len(mixed)]
+    return np.linalg.norm(mixed - solved, axis=1) / max(waiting.spacing, 1e-30)

@@ -81,6 +81,12 @@ class MaskedSurfaces:
         found[there] = clearances(places, classes[:count][there], sized)
         return replace(placed, clearance=found)
 
+    @property
+    def radii(self) -> Floats:
+        """Radius of each object type."""
+        sized = shrunk(self._settings, self.first.surface)
+        return np.array([kind.radius for kind in sized.object_types])
+
     def _built_on(
         self, laid: SurfaceArrays, bound: SurfaceArrays, first: MaskedSurface
     ) -> MaskedSurface:

@@ -253,6 +253,11 @@ class PopulationBaker(Baker):
         return Placed(faces, turned, faded, self.tilts.next(self.last, turned, vertices, normals))
 
     @property
+    def all_ids(self) -> Ints:
+        """Ids of all rows of a frame."""
+        return self.ids
+
+    @property
     def classes(self) -> Ints:
         """Object types of all rows of a frame."""
         return np.concatenate([self.start.classes, *(born for _, _, born in self._births)])

@@ -46,6 +46,8 @@ class Report:
     overlap_first: int = -1  # ids of these two points
     overlap_second: int = -1
     overlap_frame: int = 0  # the frame of a bake with this overlap
+    overlap_between: bool = False  # whether that frame is no keyframe
+    type_overlaps: str = ""  # of each object type in a bake; see overlaps.py
     measured: bool = True  # whether spacing and areas belong to the current points
 
     def of_ids(self, ids: Ints) -> "Report":

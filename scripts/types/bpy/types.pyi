@@ -68,6 +68,8 @@ class DAPPLE_PG_report(_Open):
     overlap_first: int
     overlap_second: int
     overlap_frame: int
+    overlap_between: bool
+    type_overlaps: str
     measured: bool
 
 class DAPPLE_PG_density(_Open):
