@@ -8,6 +8,7 @@
 #include "base/morton.hpp"
 #include "base/progress.hpp"
 #include "base/reorder.hpp"
+#include "base/sort_unique.hpp"
 #include "surface/weld.hpp"
 
 namespace dapple {
@@ -19,49 +20,85 @@ constexpr double kVerticesOrdered = 0.12, kFacesOrdered = 0.35, kEdgesLinked = 0
 constexpr std::size_t kLookups = 65536;  // between two checks
 constexpr double kFarthest = 1e300;      // a coordinate plus the size of a cell does not overflow
 constexpr double kNoTolerance = -1.0;
+constexpr std::size_t kDense =
+    4;                        // numbers below so many times their count are counted as they are
 constexpr double kAll = 2.0;  // in diagonals: exceeds the distance between any two vertices
 
-struct HalfEdgeKey {
-  std::int32_t low, high, half_edge;
-  auto operator<=>(const HalfEdgeKey&) const = default;
+/// A half-edge, and the higher vertex of its edge.
+struct Link {
+  std::int32_t high, half_edge;
+  auto operator<=>(const Link&) const = default;
 };
 
-/// Link the half-edges of equal keys into rings, in the order of their faces. A half-edge without a
-/// key forms a ring of its own.
-std::vector<std::int32_t> link_rings(std::vector<HalfEdgeKey> keys, std::size_t half_edges,
-                                     Context* context) {
-  sort_watched(keys, context);
-  std::vector<std::int32_t> next(half_edges);
-  if (keys.size() < half_edges) std::iota(next.begin(), next.end(), 0);
-  std::size_t rings = 0;
-  for (std::size_t first = 0; first < keys.size();) {
-    check_at(context, rings++);
+/// Link half-edges of the same lower vertex into rings where the higher one is the same, too.
+void link_same(std::span<Link> links, std::vector<std::int32_t>& next) {
+  std::sort(links.begin(), links.end());
+  for (std::size_t first = 0; first < links.size();) {
     std::size_t last = first;
-    while (last + 1 < keys.size() && keys[last + 1].low == keys[first].low &&
-           keys[last + 1].high == keys[first].high)
-      ++last;
+    while (last + 1 < links.size() && links[last + 1].high == links[first].high) ++last;
     for (std::size_t k = first; k <= last; ++k)
-      next[static_cast<std::size_t>(keys[k].half_edge)] = keys[k == last ? first : k + 1].half_edge;
+      next[static_cast<std::size_t>(links[k].half_edge)] =
+          links[k == last ? first : k + 1].half_edge;
     first = last + 1;
+  }
+}
+
+/// Link the half-edges of equal keys into rings, in the order of their faces. A half-edge without a
+/// key forms a ring of its own. Few keys have the same lower number, by which they are counted.
+/// \param for_each_key calls its argument with the lower and the higher number, the first of them
+///                     below `count`, and the half-edge of each key; the same each time
+template <typename ForEachKey>
+std::vector<std::int32_t> link_rings(const ForEachKey& for_each_key, std::size_t count,
+                                     std::size_t half_edges, Context* context) {
+  std::vector<std::size_t> ends(count + 1, 0);  // at first one place later, per lower number
+  for_each_key([&](std::int32_t low, std::int32_t, std::int32_t) {
+    ++ends[static_cast<std::size_t>(low) + 1];
+  });
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<Link> links(ends.back());
+  for_each_key([&](std::int32_t low, std::int32_t high, std::int32_t half_edge) {
+    links[ends[static_cast<std::size_t>(low)]++] = {high, half_edge};
+  });
+  std::vector<std::int32_t> next(half_edges);
+  if (links.size() < half_edges) std::iota(next.begin(), next.end(), 0);
+  std::size_t begin = 0;
+  for (std::size_t low = 0; low < count; ++low) {
+    report_at(context, low, count);
+    link_same(std::span(links).subspan(begin, ends[low] - begin), next);
+    begin = ends[low];
   }
   return next;
 }
 
 /// Link the half-edges that share an (undirected) edge.
 /// \param left_out faces that connect nothing; empty for none
-std::vector<std::int32_t> link_edges(std::span<const Face> faces, const std::vector<bool>& left_out,
-                                     Context* context) {
-  std::vector<HalfEdgeKey> keys;
-  keys.reserve(3 * faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    check_at(context, f);
-    if (!left_out.empty() && left_out[f]) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % 3]);
-      keys.push_back({low, high, static_cast<std::int32_t>(3 * f + k)});
+std::vector<std::int32_t> link_edges(std::span<const Face> faces, std::size_t vertices,
+                                     const std::vector<bool>& left_out, Context* context) {
+  const auto for_each_key = [&](const auto& visit) {
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      check_at(context, f);
+      if (!left_out.empty() && left_out[f]) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % 3]);
+        visit(low, high, static_cast<std::int32_t>(3 * f + k));
+      }
     }
-  }
-  return link_rings(std::move(keys), 3 * faces.size(), context);
+  };
+  return link_rings(for_each_key, vertices, 3 * faces.size(), context);
+}
+
+/// Numbers from 0 that are equal where the given ones are, and not many more than there are.
+std::vector<std::int32_t> dense(std::span<const std::int32_t> numbers) {
+  std::vector<std::int32_t> result(numbers.begin(), numbers.end());
+  const auto [least, most] = std::minmax_element(numbers.begin(), numbers.end());
+  if (numbers.empty() || (*least >= 0 && static_cast<std::size_t>(*most) < kDense * numbers.size()))
+    return result;
+  std::vector<std::int32_t> known = result;
+  sort_unique(known);
+  for (std::int32_t& number : result)
+    number = static_cast<std::int32_t>(std::lower_bound(known.begin(), known.end(), number) -
+                                       known.begin());
+  return result;
 }
 
 /// Number the sets of faces connected over edges, in the order of their first faces.
@@ -134,7 +171,7 @@ void link(std::span<const Vec3> vertices, std::optional<double> weld, Connectivi
         find_doubled(mesh.faces, mesh.original_face,
                      welds ? places_of(ordered, tolerance, context) : mesh.welded_vertex, context);
   const std::vector<bool> left_out = left_out_faces(mesh.doubled, mesh.faces.size());
-  mesh.next_around_edge = link_edges(mesh.faces, left_out, linking.context());
+  mesh.next_around_edge = link_edges(mesh.faces, vertices.size(), left_out, linking.context());
   if (welds)
     mesh.welded_vertex = weld_borders(ordered, tolerance, mesh.faces, left_out,
                                       mesh.next_around_edge, welding.context());
@@ -148,16 +185,18 @@ void link(std::span<const std::int32_t> edges, std::span<const std::int32_t> pla
   if (mesh.merge_doubled)
     mesh.doubled = find_doubled(mesh.faces, mesh.original_face, place_of, context);
   const std::vector<bool> left_out = left_out_faces(mesh.doubled, mesh.faces.size());
-  std::vector<HalfEdgeKey> keys;
-  keys.reserve(edges.size());
-  for (std::size_t h = 0; h < edges.size(); ++h) {
-    check_at(h, kLookups);
-    if (!left_out.empty() && left_out[h / 3]) continue;
-    const auto face = static_cast<std::size_t>(mesh.original_face[h / 3]);
-    const std::int32_t edge = edges[3 * face + h % 3];
-    keys.push_back({edge, edge, static_cast<std::int32_t>(h)});
-  }
-  mesh.next_around_edge = link_rings(std::move(keys), edges.size(), linking.context());
+  const std::vector<std::int32_t> numbers = dense(edges);
+  const auto for_each_key = [&](const auto& visit) {
+    for (std::size_t h = 0; h < numbers.size(); ++h) {
+      check_at(h, kLookups);
+      if (!left_out.empty() && left_out[h / 3]) continue;
+      const auto face = static_cast<std::size_t>(mesh.original_face[h / 3]);
+      visit(numbers[3 * face + h % 3], 0, static_cast<std::int32_t>(h));
+    }
+  };
+  const std::size_t count =
+      numbers.empty() ? 0 : static_cast<std::size_t>(*std::ranges::max_element(numbers)) + 1;
+  mesh.next_around_edge = link_rings(for_each_key, count, numbers.size(), linking.context());
   std::unordered_map<std::int32_t, std::int32_t> lowest;
   for (std::size_t v = 0; v < place_of.size(); ++v) {
     check_at(context, v);
