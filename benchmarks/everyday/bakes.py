@@ -150,7 +150,7 @@ def on_ground(change: Callable[[Any, Any], Forbidden], **settings: Any) -> Calla
         bpy.ops.dapple.optimize()
         seconds = baked(obj)
         found = watched(obj, surface, even=False, forbidden=forbidden)
-        return replace(found, seconds=seconds)
+        return replace(found, seconds=seconds, alpha=obj.dapple.report.alpha_min)
 
     return run
 

@@ -3,7 +3,7 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 from checks import check_samples, same_bytes
-from shapes import bent, on_faces, torus
+from shapes import bent, grid, on_faces, torus
 
 
 def slides(tracker: dapple.Tracker, before: dapple.Samples, after: dapple.Samples) -> np.ndarray:
@@ -147,3 +147,27 @@ def test_discs_stay_apart_on_a_body_that_bends():
         bend = 0.06 * frame * vertices[:, 0]
         bent = np.column_stack([vertices[:, 0], vertices[:, 1] * (1.0 + bend), vertices[:, 2]])
         assert tracker.advance(bent).report.worst_overlap <= 0.01
+
+
+@pytest.mark.parametrize("count", [200, 400, 600])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_samples_keep_apart_while_the_density_moves(count, seed):
+    """A window wanders over a square, by up to half a spacing a frame."""
+    surface = dapple.Surface(*grid(60))
+    centers = surface.vertices[surface.faces].mean(axis=1)
+
+    def window(middle: float) -> dapple.Surface:
+        away = np.abs(centers[:, :2] - [middle, 0.5]).max(axis=1)
+        return surface.with_density((away < 0.25).astype(float), density_at="faces")
+
+    first = dapple.sample(window(0.35), count, seed=seed)
+    tracker = dapple.Tracker(window(0.35), first)
+    for frame in range(1, 13):
+        now = window(0.35 + 0.025 * frame)
+        stands, began = (
+            dapple.Samples(now, one.faces, one.barycentric, ids=first.ids)
+            for one in (tracker.samples, first)
+        )
+        tracker.resume_on(now, now.vertices, stands, began)
+        assert tracker.advance(now.vertices).report.alpha_min >= 0.5
+        check_samples(now, tracker.samples)

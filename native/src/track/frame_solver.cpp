@@ -17,6 +17,7 @@
 #include "sample/surface_classes.hpp"
 #include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
+#include "track/move_apart.hpp"
 #include "voronoi/cell_surface.hpp"
 
 namespace dapple {
@@ -25,11 +26,12 @@ namespace {
 constexpr double kThin = 0.05;  // of the largest density: lower values have no defined spacing
 constexpr double kMovingVariation = 0.02,
                  kMovingAlpha = 0.5;  // sufficient evenness if the density moves
-constexpr int kRounds = 3;            // of the search while discs overlap
+constexpr int kRounds = 3;            // of the search while discs overlap, or sites are too near
 constexpr double kHarder = 10.0;  // factor by which the weight of discs that still overlap grows
 constexpr double kRoomy = 1.7,
                  kCrowded = 0.4;  // of the mean capacity: space for one more, or one too many
 constexpr double kPiled = 0.6;    // of a spacing: sites closer to each other are crowded
+constexpr double kApart = 0.62;   // of a spacing: distance to which crowded sites are moved apart
 
 /// The classes with their numbers of samples; a single class if none is given.
 std::vector<SampleClass> counted(std::vector<SampleClass> classes,
@@ -106,6 +108,7 @@ struct Beginning {
   Sites start;
   std::optional<Sites> home;                 // none: the start of the search
   std::vector<std::int32_t> elsewhere = {};  // sites that start far from their previous position
+  std::vector<std::int32_t> displaced = {};  // these, and sites whose previous one has no density
 };
 
 /// The spacing at each site by its density, which counts as at least kThin times the largest
@@ -120,6 +123,14 @@ std::vector<double> spacings_at(const Surface& surface, const Sites& sites) {
     result.push_back(hexagonal_spacing(surface.capacity() / (std::max(density, kThin * most) *
                                                              static_cast<double>(sites.size()))));
   }
+  return result;
+}
+
+/// Per site its part of the distance that two sites keep.
+std::vector<double> least_distances(const Surface& own, const Domain& domain, const Sites& sites) {
+  const double mean = domain.spacing(sites.size());
+  std::vector<double> result = spacings_at(own, sites);
+  for (double& spacing : result) spacing = 0.5 * kApart * std::min(spacing, mean);
   return result;
 }
 
@@ -203,7 +214,31 @@ Beginning on_density(const Surface& surface, const Frame& frame,
   }
   off_density.insert(off_density.end(), result.elsewhere.begin(), result.elsewhere.end());
   if (result.home) put(*result.home, off_density, select(result.start, off_density));
+  result.displaced = std::move(off_density);
   return result;
+}
+
+double alpha_min(const Minimum& found) { return measure_evenness(found.state.diagram()).alpha_min; }
+
+/// Where a moving density left sites too near to each other, they are moved apart in the end. Those
+/// that it moved may go farther than others.
+void end_moving(const Frame& frame, const Surface& surface, OptimizerOptions options,
+                const Beginning& first, const Restoration& aim, Minimum& found, Context* context) {
+  if (frame.classes.size() > 1 || frame.objective.holds_discs) return;
+  const std::optional<Surface>& mine = frame.classes[0].surface;
+  const Domain& domain = *frame.problem.classes[0].domain;
+  options.max_evaluations = 1;
+  for (int round = 0; round < kRounds && alpha_min(found) < kMovingAlpha; ++round) {
+    Sites sites = found.state.sites;
+    move_apart(domain, least_distances(mine ? *mine : surface, domain, sites), sites, context);
+    Sites home = first.home ? *first.home : first.start;
+    put(home, first.displaced, select(sites, first.displaced));
+    Minimum apart =
+        minimize(frame.objective, sites, options, nullptr, {.home = &home, .restoration = &aim});
+    found.evaluations += apart.evaluations;
+    if (!(alpha_min(apart) > alpha_min(found))) return;
+    found.state = std::move(apart.state);
+  }
 }
 
 /// Check that squared distances between samples are finite. A triangle without area can move its
@@ -336,8 +371,9 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
   const Restoration aim = restoration(moved, *frame.problem.all, first.start);
   const Sites begin = move(first.start, without(moves, first.elsewhere), frame.objective, context);
   const Tracked tracked{.home = first.home ? &*first.home : nullptr, .restoration = &aim};
-  const Minimum found = idle ? minimize(frame.objective, begin, options, context, tracked)
-                             : frame.search(begin, options, tracked, context);
+  Minimum found = idle ? minimize(frame.objective, begin, options, context, tracked)
+                       : frame.search(begin, options, tracked, context);
+  if (moved == Moved::kDensity) end_moving(frame, surface, options, first, aim, found, context);
   const StageSpan reporting(context, Stage::kReporting);
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
   samples.classes = class_of_;

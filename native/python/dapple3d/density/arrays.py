@@ -13,6 +13,7 @@ from .._native import Surface
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Flags = NDArray[np.bool_]
+Indices = NDArray[np.integer]
 
 
 def shaped(name: str, values: ArrayLike, *shape: int) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._native import Surface, seen_from
-from .arrays import Flags, Floats, Ints, longest_edges, shaped
+from .arrays import Flags, Floats, Indices, Ints, longest_edges, shaped
 from .nearest import Body, Mesh, Nearest
 from .noise import bend, noise
 from .ranges import Range
@@ -338,7 +338,7 @@ class Obstacle(Field):
         found[chosen] = away[faces[chosen]].min(axis=1) <= longest[chosen]
         return found
 
-    def _outside(self, points: Floats, chosen: Ints) -> Floats:
+    def _outside(self, points: Floats, chosen: Indices) -> Floats:
         """Distances (k,) from the body of some of the points, less than 0 inside.
 
         They are kept: points are looked up again after faces are cut, with new ones at the end.
