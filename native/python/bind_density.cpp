@@ -384,6 +384,17 @@ Raises:
     Cancelled: through the context.)");
 }
 
+std::vector<std::vector<Vec3>> poses_of(const py::sequence& poses) {
+  std::vector<std::vector<Vec3>> result;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const std::string name = "poses[" + std::to_string(k) + "]";
+    const DoubleArray points = doubles(name.c_str(), poses[k], 3);
+    const std::span<const Vec3> read = as_points(points);
+    result.emplace_back(read.begin(), read.end());
+  }
+  return result;
+}
+
 void bind_exposure(py::module_& m) {
   m.def("exposure", &exposure_of, py::arg("surface"), py::arg("faces") = py::none(),
         py::arg("barycentric") = py::none(), py::kw_only(), py::arg("context") = py::none(),
@@ -407,34 +418,39 @@ Raises:
   m.def(
       "refine_outside",
       [](const Surface& surface, double edge, double openness, MaxFaces max_faces,
-         const ContextPtr& context) {
-        const OutsideOptions options{openness, edge, max_faces};
+         const py::sequence& poses, const ContextPtr& context) {
+        const OutsideOptions options{openness, edge, max_faces, poses_of(poses)};
         return run(context, [&](Context* watched) {
           return std::make_shared<Refined>(refine_outside(surface, options, watched));
         });
       },
       py::arg("surface"), py::arg("edge"), py::kw_only(),
       py::arg("openness") = OutsideOptions().openness,
-      py::arg("max_faces") = OutsideOptions().max_faces, py::arg("context") = py::none(),
+      py::arg("max_faces") = OutsideOptions().max_faces, py::arg("poses") = py::tuple(),
+      py::arg("context") = py::none(),
       R"(Remove the density where a surface is not seen from outside, such as on parts that are stuck into others.
 
 Faces that pass through each other are cut along their common line and connected there. So samples on different parts keep
 their distance across the visible joint, and the hidden sides get none. Elsewhere faces are halved until the border of what
-is hidden is resolved; pieces with a hidden corner lose their density.
+is hidden is resolved; pieces with a hidden corner lose their density. Faces are connected where they cross in the
+surface's own pose.
 
 Args:
-    surface: a Surface.
+    surface: a Surface of v vertices.
     edge: longest edge at the border of what is hidden, > 0, in the units of the vertices: a tenth of the distance between
         samples suffices.
     openness: least exposure() of a place that counts as outside, 0..1; more leaves out crevices too.
     max_faces: 1..200000000; the rest stays coarser, and resolved is False.
+    poses: of (v, 3) float64 each, other places of the vertices while the surface moves: what is hidden in one of them
+        counts as hidden.
     context: a Context to cancel by, or None.
 
 Returns:
     Refined.
 
 Raises:
-    ValueError: naming the option out of range; if nothing is seen.
+    ValueError: naming the option out of range, the first pose with another number of vertices or with one that is not
+        finite; if nothing is seen.
     Cancelled: through the context.)");
 }
 

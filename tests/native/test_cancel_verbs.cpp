@@ -413,6 +413,11 @@ TEST(Watched, RefineOutside) {
              mapped(icosphere(3), [](const Vec3& p) { return Vec3(p + Vec3::UnitX()); }))
           .surface();
   expect_watched([&](Context* context) { (void)refine_outside(surface, {.edge = 0.05}, context); });
+  std::vector<Vec3> moved = surface.vertices();
+  for (std::size_t v = moved.size() / 2; v < moved.size(); ++v) moved[v].y() += 0.3;
+  expect_watched([&](Context* context) {
+    (void)refine_outside(surface, {.edge = 0.1, .poses = {moved}}, context);
+  });
   expect_watched([&](Context* context) { (void)exposure(surface, context); });
   const std::vector<Vec3> points = surface.vertices();
   expect_watched(

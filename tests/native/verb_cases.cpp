@@ -302,7 +302,8 @@ Prepare leaving_out_hidden_faces(int) {
       joined(ball, mapped(ball, [](const Vec3& p) { return Vec3(p + Vec3(0.9, 0.1, 0.0)); }))
           .surface();
   return again([surface](Hash& hash) {
-    hash.add(refine_outside(surface, {.edge = 0.3}).surface.vertices());
+    const std::vector<Vec3> moved = deformed(surface.vertices(), 0.4);
+    hash.add(refine_outside(surface, {.edge = 0.3, .poses = {moved}}).surface.vertices());
     for (const std::uint8_t seen : seen_from(surface, {3, 1, 1, 1}, surface.vertices()))
       hash.add(seen > 0 ? 1.0 : 0.0);
   });

@@ -157,6 +157,19 @@ def refine_outside(run: Run) -> None:
 
 
 @case
+def refine_outside_in_poses(run: Run) -> None:
+    vertices, faces = BOX
+    shifted = vertices + run.given([0.31, 0.27, 0.23])
+    both = (np.vstack([vertices, shifted]), np.vstack([faces, faces + len(vertices)]))
+    poses = [
+        run.given(np.vstack([vertices, vertices + offset]))
+        for offset in ([0.5, 0.4, 0.1], [0.2, -0.3, 0.35])
+    ]
+    surface = run.surface(both)
+    keep_refined(run, dapple.refine_outside(surface, 0.25, openness=0.05, poses=poses))
+
+
+@case
 def solids(run: Run) -> None:
     vertices, faces = TORUS
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float64)

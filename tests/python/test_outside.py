@@ -147,9 +147,52 @@ def test_a_deformed_body_keeps_the_skin_of_its_rest_position(surface, monkeypatc
     np.testing.assert_array_equal(masked.corner_density(), first.corner_density())
 
 
+def with_second_at(surface, offset):
+    """The balls while the second one is elsewhere."""
+    moved = surface.vertices.copy()
+    moved[len(moved) // 2 :] += offset
+    return moved
+
+
+def test_in_several_poses_only_what_is_seen_in_all_is_left(surface):
+    poses = [with_second_at(surface, (-0.4, 0.0, 0.0)), with_second_at(surface, (0.0, 0.8, 0.0))]
+    refined = dapple.refine_outside(surface, 0.1 * surface.spacing(COUNT), poses=poses)
+    samples = refined.to_original(dapple.sample(refined.surface, COUNT))
+    check_samples(surface, samples)
+    for pose in (surface.vertices, *poses):
+        there = surface.deformed(pose)
+        assert (dapple.exposure(there, samples.faces, samples.barycentric) > 0.0).all()
+
+
+def test_masks_take_poses_and_know_them_again(surface):
+    poses = [surface.vertices, with_second_at(surface, (-0.4, 0.0, 0.0))]
+    given = {"count": COUNT, "outside": 0.05, "poses": poses}
+    first = density.MaskedSurface(surface, **given)
+    assert (
+        first.surface.capacity
+        < density.MaskedSurface(surface, count=COUNT, outside=0.05).surface.capacity
+    )
+    later = surface.deformed(with_second_at(surface, (-0.2, 0.0, 0.0)))
+    again = density.MaskedSurface(later, **given, like=first, rest=surface.vertices)
+    np.testing.assert_array_equal(again.corner_density(), first.corner_density())
+    samples = again.to_original(dapple.sample(again.surface, COUNT))
+    check_samples(later, samples)
+    with pytest.raises(ValueError, match=r"poses\[1\] has the shape"):
+        density.MaskedSurface(surface, count=COUNT, outside=0.05, poses=[poses[0], np.eye(3)])
+
+
+def test_what_a_pose_leaves_may_differ_from_rest(surface):
+    """One pose alone decides instead of the rest."""
+    pose = with_second_at(surface, (5.0, 0.0, 0.0))
+    masked = density.MaskedSurface(surface, count=COUNT, outside=0.05, poses=[pose])
+    assert masked.surface.capacity == pytest.approx(surface.area)
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
+        ({"edge": 0.1, "poses": [np.zeros((2, 3))]}, r"poses\[0\] has 2 entries"),
+        ({"edge": 0.1, "poses": [np.zeros((2, 2))]}, r"poses\[0\]"),
         ({"edge": 0.0}, "edge is 0"),
         ({"edge": np.nan}, "edge is nan"),
         ({"edge": 0.1, "openness": 1.5}, r"openness is 1\.5: it must be in 0\.\.1"),

@@ -27,6 +27,7 @@ from ..scatter.object import follows_masks, settings_of
 from ..scatter.points import locked_points, places_of, point_columns_of
 from ..surface.current_binding import current_binding, other_faces
 from ..surface.reading import at_frame
+from .poses import Poses
 
 _SOLVING = 0.1  # share of the progress for optimizing the points first, if needed
 
@@ -60,20 +61,25 @@ class BakeStart:
         self.sources = replace(self.sources, moving=tuple(sorted(moving)))
 
 
-def begin_bake(handle: ObjectHandle, arrays: SurfaceArrays, settings: Settings) -> Any:
+def begin_bake(handle: ObjectHandle, poses: Poses, settings: Settings) -> Any:
     """The points of the first frame, in steps.
 
     The stored points are used if they fit the settings and the scene; otherwise they are optimized
     again.
     """
+    arrays, begin = poses.first, poses.progress
     obj, sources = handle.get(), sources_of(arrays, settings)
     _check_faces(obj, arrays)
     reason = solution_reason(obj, sources)
     if not reason:
-        return BakeStart(arrays, sources)
-    locked = locked_points(obj)
-    solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked), 0.0, _SOLVING)
-    return BakeStart(arrays, sources, solved, reason, _SOLVING)
+        return BakeStart(arrays, sources, progress=begin)
+    locked, end = locked_points(obj), begin + _SOLVING
+
+    def solve(worker: Any) -> Scattered:
+        return scatter(arrays, settings, worker, locked, poses.masked)
+
+    solved = yield Task(solve, begin, end)
+    return BakeStart(arrays, sources, solved, reason, end)
 
 
 def frozen_in(bake_start: BakeStart, baker: Baker) -> list[str]:
@@ -89,12 +95,12 @@ def frozen_in(bake_start: BakeStart, baker: Baker) -> list[str]:
 def new_baker(
     obj: bpy.types.Object,
     surface: bpy.types.Object,
-    arrays: SurfaceArrays,
-    first: int,
-    count: int,
+    poses: Poses,
+    frames: range,
     solved: Scattered | None,
 ) -> Baker:
-    """A baker for a number of frames, starting with newly optimized points if there are any."""
+    """A baker for these frames, starting with newly optimized points if there are any."""
+    arrays, first = poses.first, frames.start
     reattach = obj.dapple.new_topology == "REATTACH" or arrays.rest is not None
     if solved is not None:
         binding, columns = as_stored(solved.binding), solved.columns
@@ -103,17 +109,18 @@ def new_baker(
     if arrays.rest is not None:
         arrays = with_distinct_parts(binding, arrays)
     start = Start(binding, columns["id"], columns["dapple_object_type"], settings_of(obj))
-    keyframes = Keyframes(count, obj.dapple.keyframe_step)
+    keyframes = Keyframes(len(frames), obj.dapple.keyframe_step)
     smoothing, kept = obj.dapple.smoothing, work_files(obj, first)
     follows = follows_masks(obj) and may_move(start.settings)
     fits = any(one.fit_to_spacing > 0.0 for one in (obj.dapple, *obj.dapple.object_types))
     common = (arrays, start, keyframes, kept, first, reattach)
+    known: dict[str, Any] = {"masked": poses.masked, "poses": poses.by_topology, "fits": fits}
     if obj.dapple.population == "KEEP_DENSITY":
         fade = obj.dapple.fade_duration
-        return PopulationBaker(*common, follows, fits, fade=fade)
+        return PopulationBaker(*common, follows, fade=fade, **known)
     if smoothing == "FORWARD":
-        return Baker(*common, follows, fits)
-    return WindowBaker(*common, fits=fits, closed=smoothing == "LOOP")
+        return Baker(*common, follows, **known)
+    return WindowBaker(*common, closed=smoothing == "LOOP", **known)
 
 
 def _binding(

@@ -26,6 +26,7 @@ from ..scatter.store import write_binding, write_scattered
 from ..surface.reading import at_frame, frame_kept
 from ..surface.rest_position import rest_position
 from .frames import Masks, StableOrder, crossed, first_frame_with_faces, read_frame
+from .poses import read_poses
 from .start import BakeStart, begin_bake, frozen_in, new_baker
 
 
@@ -73,12 +74,13 @@ def _carry(
 
     steady = StableOrder(surface)
     arrays = steady.first(handle.get(), read_first)
-    bake_start = yield from begin_bake(handle, arrays, settings)
-    count = frames.last - first + 1
-    baker = new_baker(handle.get(), surface.get(), arrays, first, count, bake_start.solved)
+    every = range(first, frames.last + 1)
+    poses = yield from read_poses(handle, steady, arrays, settings, every, read_first, kind)
+    bake_start = yield from begin_bake(handle, poses, settings)
+    baker = new_baker(handle.get(), surface.get(), poses, every, bake_start.solved)
     masks = Masks(settings, arrays) if baker.follows else None
     baker.reoptimized_reason, there = bake_start.reoptimized_reason, begin
-    for frame in range(first, frames.last + 1):
+    for frame in every:
         edits.check()
         if frame != begin or begin != first:
             read = partial(read_frame, handle, surface, frame, kind, masks)

@@ -8,13 +8,13 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from ...core.base.native import package
-from ...core.settings.density_table import DENSITY
+from ...core.settings.density_table import DENSITY, EACH_FRAME
 from ...core.settings.descriptors import Kind, Setting
 from ...core.settings.mask_table import MASKS
 from ..base.panel_values import CachedValue
 from ..base.sidebars import lines_of
 from ..base.translation import translated
-from ..scatter.object import material_name
+from ..scatter.object import follows_masks, material_name
 from ..scatter.panel import ScatterPanel, draw_in_header
 from ..solve.panel import draw_amount
 from ..solve.results_panel import draw_result
@@ -142,8 +142,15 @@ def _draw_note(box: bpy.types.UILayout, obj: bpy.types.Object, switch: str) -> N
         lines_of(box, translated("No effect yet: choose an object or a collection"), "INFO")
     if switch == "use_material":
         _draw_material_note(box, obj)
+    if switch == "use_outside" and not follows_outside(obj):
+        lines_of(box, translated("As Animation is set, a bake decides on its first frame"), "INFO")
     if switch == "use_border" and IS_CLOSED.of(obj):
         lines_of(box, translated("No effect: the surface is closed and has no border"), "INFO")
+
+
+def follows_outside(obj: bpy.types.Object) -> bool:
+    """Whether bakes decide on each frame what is outside, if they are asked to."""
+    return obj.dapple.density.outside_over_time != EACH_FRAME or follows_masks(obj)
 
 
 def _draw_material_note(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:

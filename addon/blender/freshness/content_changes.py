@@ -6,6 +6,7 @@ import bpy
 from ...core.solve.stale import changed_settings
 from ...core.surface.sources import (
     PLACES,
+    POSES,
     UNKNOWN,
     Sources,
     differing,
@@ -122,6 +123,9 @@ def _change_note(obj: bpy.types.Object, role: str) -> str:
         ),
         "edges": translated("Edges of '{surface}' were marked or unmarked", surface=surface),
         "uv": translated("UV map of '{surface}' was changed", surface=surface),
+        POSES: translated(
+            "It was not known which places of '{surface}' are seen on all frames", surface=surface
+        ),
     }
     if role in of_surface:
         return of_surface[role]

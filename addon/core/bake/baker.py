@@ -12,6 +12,7 @@ from typing import Any
 
 from ..base.errors import ScatterError
 from ..base.native import named, package
+from ..density.masked_surface import MaskedSurface
 from ..settings.values import Settings
 from ..solve.class_counts import resumed_on, tracked
 from ..solve.solve import Report, report_of
@@ -61,10 +62,13 @@ class Baker:
     trouble: str = ""  # why frames cannot be stored in the sidecar
     fingerprint: str = ""  # fingerprint of all frames so far
     reoptimized_reason: str = ""  # why the points were optimized again first
+    masked: MaskedSurface | None = None  # the first frame with its density, if it is known
+    poses: dict[str, tuple[Floats, ...]] = field(default_factory=dict)  # by topology; see arrays.py
 
     def __post_init__(self) -> None:
         start = self.start
-        read = [*self.bound.weights.values(), *self.bound.around.arrays()]
+        first = self.bound
+        read = [*first.weights.values(), *first.around.arrays(), *first.poses]
         self._chain = Fingerprint(start.settings, start.binding, (start.ids, start.classes, *read))
         self._now = self.bound
         self.begin, self.first_surface = start.binding, self.bound  # as the points are stored
@@ -74,7 +78,7 @@ class Baker:
         self._shape: Shape | None = None  # of the topology, where points are bound to its rest
         self._places: tuple[Ints, Floats] | None = None  # of the start, on the topology's faces
         self.tracker: Any = None
-        self.masked_surfaces = MaskedSurfaces(self.bound, start.settings)
+        self.masked_surfaces = MaskedSurfaces(self.bound, start.settings, self.masked)
         self._stands_on: Any = None  # the ground of the tracker
         self._begun = 0  # frames before the topology begins
         self._density_since = -1  # frames before the density is another
@@ -108,6 +112,7 @@ class Baker:
         Both arguments are the surface, just before and just after the change. They are whole frames
         if at_seam is off, and any moments if there is a rest shape.
         """
+        after = self._with_poses(after)
         before = replace(before, faces=self.bound.faces, loops=self.bound.loops)
         last, tilts, self.tilts = self.last, self.tilts, TiltTracker()
         if after.rest is None:
@@ -128,10 +133,13 @@ class Baker:
         self._begun = self._density_since = self.done
         self.topologies.append(after.topology)
 
+    def _with_poses(self, bound: SurfaceArrays) -> SurfaceArrays:
+        return replace(bound, poses=self.poses.get(bound.topology, ()))
+
     def _note_bound(self, bound: SurfaceArrays) -> None:
         """Add a new topology to the fingerprint."""
         self._chain.add(bound)
-        for array in (*bound.weights.values(), *bound.around.arrays()):
+        for array in (*bound.weights.values(), *bound.around.arrays(), *bound.poses):
             self._chain.note_array(array)
 
     @property

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..density.counts import shrunk
 from ..density.masked_surface import MaskedSurface, masked_surface_of
+from ..density.outside import is_decided_on_each_frame
 from ..density.terms import has_mask, names_of
 from ..settings.values import DensitySettings, Settings, materials_of
 from ..solve.class_counts import clearances
@@ -31,15 +32,17 @@ _AROUND = {
 class MaskedSurfaces:
     """Builds the surface with its density on demand and reads no more of a frame than needed."""
 
-    def __init__(self, bound: SurfaceArrays, settings: Settings) -> None:
+    def __init__(
+        self, bound: SurfaceArrays, settings: Settings, first: MaskedSurface | None = None
+    ) -> None:
         self._settings = settings
         self.moving: set[str] = set()  # roles of inputs that have changed on some frame
-        self.begin(bound)
+        self.begin(bound, first)
 
-    def begin(self, bound: SurfaceArrays) -> None:
-        """Start a new topology."""
+    def begin(self, bound: SurfaceArrays, first: MaskedSurface | None = None) -> None:
+        """Start a new topology, of which the first surface may be known."""
         self.bound = self.laid = bound  # laid: the frame of the current density
-        self._first: MaskedSurface | None = None
+        self._first = first
         self._now: MaskedSurface | None = None
 
     def follow(self, frame: SurfaceArrays) -> Iterator[Any]:
@@ -100,7 +103,8 @@ def may_move(settings: Settings) -> bool:
     density = settings.density
     nearby = density.image or density.use_camera_view or density.avoid_collection
     values = names_of(settings) or materials_of(density)
-    return bool(values or nearby or _masks(density))
+    each_frame = is_decided_on_each_frame(density)
+    return bool(values or nearby or each_frame or _masks(density))
 
 
 def moved(before: SurfaceArrays, now: SurfaceArrays, settings: Settings) -> list[str]:
@@ -133,7 +137,7 @@ def is_of_the_world(density: DensitySettings, around: Surroundings) -> bool:
     """Whether a density changes when its surface moves."""
     avoided = around.obstacles or len(around.points) or len(around.hulls)
     nearby = around.camera is not None or avoided
-    return bool(nearby or _masks(density))
+    return bool(nearby or is_decided_on_each_frame(density) or _masks(density))
 
 
 def _moved_around(before: Surroundings, now: Surroundings) -> list[str]:

@@ -94,7 +94,7 @@ class PopulationBaker(Baker):
         self.is_empty = False
         if not len(self._faces):
             return
-        bound = replace(bound, rest_parts=self.bound.rest_parts)
+        bound = self._with_poses(replace(bound, rest_parts=self.bound.rest_parts))
         self._note_bound(bound)
         self.bound, self._restarts, self._shape = bound, True, None
         self.masked_surfaces.begin(bound)

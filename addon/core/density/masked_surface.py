@@ -11,6 +11,7 @@ from ..settings.values import MARKED, Settings
 from ..surface.arrays import Floats, SurfaceArrays
 from ..surface.frames import SMOOTH, shaded
 from .counts import cleared_name, shrunk
+from .outside import poses_of
 from .terms import density_of, fields_of
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ def masked_surface_of(
     else:
         surface = _measured(arrays, density, merge, original)
     count, around = settings.count, arrays.around
+    poses = poses_of(arrays, settings.density, first or arrays)
     if settings.per_area:
         count = round(settings.per_area * surface.area)
     masked = package().density.MaskedSurface(
@@ -51,6 +53,7 @@ def masked_surface_of(
         fields_of(arrays, settings.density, first),
         count=count,
         outside=settings.density.openness if settings.density.use_outside else None,
+        poses=poses,
         balls=(around.points, around.radii) if len(around.points) else None,
         uv=around.uv,
         image=around.image,

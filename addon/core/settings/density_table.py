@@ -7,6 +7,9 @@ from itertools import chain
 from .descriptors import Kind, Setting
 from .mask_table import MASKS
 
+# When a bake decides what is outside.
+FIRST_FRAME, ALL_FRAMES, EACH_FRAME = "FIRST_FRAME", "ALL_FRAMES", "EACH_FRAME"
+
 DENSITY = (
     Setting(
         "attribute",
@@ -78,8 +81,7 @@ DENSITY = (
         "Outside Only",
         "Only scatter points where the surface is seen from outside, not on parts that are inside "
         "others. Where parts pass through each other, points keep their distance across the "
-        "joint. A bake decides on its first frame. Add Scatter turns this on for surfaces made of "
-        "parts",
+        "joint. Add Scatter turns this on for surfaces made of parts",
     ),
     Setting(
         "openness",
@@ -90,6 +92,35 @@ DENSITY = (
         low=0.0,
         high=1.0,
         subtype="FACTOR",
+        under="use_outside",
+    ),
+    Setting(
+        "outside_over_time",
+        Kind.CHOICE,
+        FIRST_FRAME,
+        "Over Time",
+        "Frames at which a bake decides which places are seen from outside",
+        choices=(
+            (
+                FIRST_FRAME,
+                "First Frame",
+                "Places stay as they are on the first frame. Points on them may become hidden, and "
+                "places that come to light get none",
+            ),
+            (
+                ALL_FRAMES,
+                "All Frames",
+                "Only places that are seen on every frame of the bake, so that no point is ever "
+                "hidden and none has to leave its place. Bake looks at all frames and optimizes "
+                "the points again first",
+            ),
+            (
+                EACH_FRAME,
+                "Each Frame",
+                "As it is on each frame: points leave places that become hidden and move to those "
+                "that come to light. Masks below Animation must be Each Frame too",
+            ),
+        ),
         under="use_outside",
     ),
     Setting(

@@ -81,13 +81,19 @@ class Solved:
 
 
 def scatter(
-    arrays: SurfaceArrays, settings: Settings, context: Any, locked: Locked | None = None
+    arrays: SurfaceArrays,
+    settings: Settings,
+    context: Any,
+    locked: Locked | None = None,
+    masked: MaskedSurface | None = None,
 ) -> Scattered:
-    """Scatter points over the current surface, around locked ones, or along its edges."""
+    """Scatter points over the current surface, around locked ones, or along its edges. The surface
+    with its density may be known.
+    """
     if settings.on_edges:
-        return _scatter_on_edges(arrays, settings, context, locked)
+        return _scatter_on_edges(arrays, settings, context, locked, masked)
     with named(arrays.name):
-        masked = masked_surface_of(arrays, settings)
+        masked = masked or masked_surface_of(arrays, settings)
         fine, mirror = _sampled(masked, arrays, settings, context, locked)
         samples = masked.to_original(fine)
         ranks = package().progressive_ranks(fine.positions, fine.classes)
@@ -128,7 +134,11 @@ def _sampled(
 
 
 def _scatter_on_edges(
-    arrays: SurfaceArrays, settings: Settings, context: Any, locked: Locked | None
+    arrays: SurfaceArrays,
+    settings: Settings,
+    context: Any,
+    locked: Locked | None,
+    masked: MaskedSurface | None,
 ) -> Scattered:
     """Scatter points along edges.
 
@@ -140,7 +150,7 @@ def _scatter_on_edges(
             f"Points on edges cannot be locked ({len(locked.ids):,} are): unlock all"
         )
     with named(arrays.name):
-        masked = masked_surface_of(arrays, settings)
+        masked = masked or masked_surface_of(arrays, settings)
         lines = sampled_on_edges(masked, arrays, settings, context)
         fine, tangents = lines.samples, np.asarray(lines.tangents)
         classes = dealt(counts_on_edges(len(fine), settings))

@@ -71,6 +71,8 @@ class SurfaceArrays:
     normals: Floats | None = None
     rest_parts: int = 1  # number of equal ranges of faces that may overlap there: rest.py
     time: float = 0.0  # frame of the animation, with its fraction
+    # Vertices (v, 3) on other frames of a bake, on which places have to be seen from outside too.
+    poses: tuple[Floats, ...] = ()
     # Digests of values that do not belong to vertices; independent of how quads are cut.
     digests: dict[str, str] = field(default_factory=dict)
 

@@ -38,6 +38,7 @@ PLACES = (
     "targets",
     "others",
 )
+POSES = "poses"  # role of the other frames of a bake; known only where they were read
 UNKNOWN = "unknown"  # digest of inputs that cannot be compared any more
 _BLOCKS = 256  # number of sums that describe a shape, each over neighboring rows
 _TOLERANCE = 1e-5  # relative to the largest number of a role
@@ -134,6 +135,9 @@ def sources_of(arrays: SurfaceArrays, settings: Settings, capacity: float = 0.0)
         name: arrays.digests.get(name) or digest_of([one]) for name, one in arrays.weights.items()
     }
     own = surface_sources(outline, values, settings)
+    if arrays.poses:
+        places = np.concatenate([outline.pose.local(one) for one in arrays.poses])
+        own = replace(own, near=own.near | {POSES: _sums(places)})
     nearby = around_sources(outline.pose, arrays.around)
     return replace(joined(own, nearby), frame=arrays.time, capacity=capacity)
 
@@ -236,13 +240,14 @@ def _spheres(pose: Pose, around: Surroundings) -> Floats:
 
 
 def differing(before: Sources, now: Sources) -> list[str]:
-    """Roles whose contents are not the same."""
+    """Roles whose contents are not the same; the poses only count if they are known now."""
     exact = [
         role
         for role in before.exact.keys() | now.exact.keys()
         if before.exact.get(role) not in (UNKNOWN, now.exact.get(role))
     ]
-    near = [role for role in before.near.keys() | now.near.keys() if not _same(role, before, now)]
+    roles = now.near.keys() | (before.near.keys() - {POSES})
+    near = [role for role in roles if not _same(role, before, now)]
     return sorted({*exact, *near})
 
 

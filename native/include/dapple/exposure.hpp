@@ -36,6 +36,9 @@ struct OutsideOptions {
   /// the surface's unit; > 0.
   double edge = 0.0;
   std::size_t max_faces = 1'000'000;  ///< 1..200000000; see refine()
+  /// Other places of the surface's vertices while it moves: what is hidden in one of these poses
+  /// counts as hidden.
+  std::vector<std::vector<Vec3>> poses = {};
 };
 
 /// Remove the density where the surface is not seen from outside, such as on parts of a model that
@@ -44,9 +47,11 @@ struct OutsideOptions {
 /// Faces that pass through each other are cut along their common line and connected there. So
 /// samples on different parts keep their distance across the visible joint, and the hidden sides
 /// get none. Elsewhere faces are halved until the border of what is hidden is resolved; pieces with
-/// a hidden corner lose their density.
+/// a hidden corner lose their density. Faces are connected where they cross in the surface's own
+/// pose.
 /// \return `resolved` is false if max_faces was reached
-/// \throw ArgumentError naming the first option out of range, or if nothing is seen; Cancelled
+/// \throw ArgumentError naming the first option out of range, the first pose with another number of
+///        vertices or one that is not finite, or if nothing is seen; Cancelled
 [[nodiscard]] Refined refine_outside(const Surface& surface, const OutsideOptions& options,
                                      Context* context = nullptr);
 

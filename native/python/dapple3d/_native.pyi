@@ -842,6 +842,7 @@ def refine_outside(
     *,
     openness: float = 0.05,
     max_faces: int = 1_000_000,
+    poses: Sequence[ArrayLike] = (),
     context: Context | None = None,
 ) -> Refined: ...
 def curvedness(

@@ -1,149 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <tbb/concurrent_hash_map.h>
-
-#include <algorithm>
-#include <cmath>
 #include <dapple/exposure.hpp>
-#include <functional>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
-#include "base/triangle.hpp"
 #include "base/validate.hpp"
-#include "density/pieces.hpp"
-#include "skin/cut_at_crossings.hpp"
 #include "skin/sky.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
-namespace {
-
-constexpr double kJoined = 0.2, kCut = 0.6;  // shares of the progress
-constexpr double kCoarse = 8.0;              // longest edge of pieces that are tested, in `edge`
-constexpr double kFew = 1e-4;     // of the surface's area: smaller pieces are not cut unasked
-constexpr double kInset = 0.2;    // of `edge`: distance of samples from what is hidden
-constexpr double kCorner = 0.85;  // share of a corner in the place that is tested near it
-
-struct Triangle {
-  std::array<Vec3, 3> corners;
-
-  [[nodiscard]] Vec3 center() const { return (corners[0] + corners[1] + corners[2]) / 3.0; }
-  [[nodiscard]] Vec3 normal() const {
-    return (corners[1] - corners[0]).cross(corners[2] - corners[0]).stableNormalized();
-  }
-  /// The places of the triangle that are tested: near its corners, where it may reach under
-  /// another part, and the center.
-  [[nodiscard]] std::array<Vec3, 4> places() const {
-    const Vec3 middle = center();
-    return {between(middle, corners[0], kCorner), between(middle, corners[1], kCorner),
-            between(middle, corners[2], kCorner), middle};
-  }
-};
-
-/// How many places of pieces are hidden. What was found for a piece is kept, because pieces are
-/// looked at when they are cut and once more in the end.
-class Hidden {
- public:
-  Hidden(const Surface& surface, double openness, const Context* context)
-      : sky_(surface, context), openness_(openness) {}
-
-  /// \param face the caller's face of the surface that the piece is of
-  /// \param key  its corners in that face
-  [[nodiscard]] int count(const Triangle& triangle, std::int32_t face,
-                          const std::array<Vec3, 3>& key) {
-    const Key known{face, key};
-    if (Found::const_accessor entry; found_.find(entry, known)) return entry->second;
-    const int result = look(triangle, face);
-    found_.insert({known, result});
-    return result;
-  }
-  static constexpr int kAll = 4;
-
- private:
-  struct Key {
-    std::int32_t face;
-    std::array<Vec3, 3> corners;
-  };
-  struct Compare {
-    static std::size_t hash(const Key& key) {
-      std::size_t result = std::hash<std::int32_t>()(key.face);
-      for (const Vec3& corner : key.corners)
-        for (Eigen::Index k = 0; k < 3; ++k)
-          result = 0x9e3779b97f4a7c15u * (result ^ std::hash<double>()(corner[k]));
-      return result;
-    }
-    static bool equal(const Key& a, const Key& b) {
-      return a.face == b.face && a.corners == b.corners;
-    }
-  };
-  using Found = tbb::concurrent_hash_map<Key, int, Compare>;
-
-  [[nodiscard]] int look(const Triangle& triangle, std::int32_t face) const {
-    const Vec3 normal = triangle.normal();
-    const auto places = triangle.places();
-    return static_cast<int>(std::count_if(places.begin(), places.end(), [&](const Vec3& place) {
-      return !sky_.sees(place, normal, openness_) || sky_.is_covered(place, face);
-    }));
-  }
-
-  Sky sky_;
-  double openness_;
-  Found found_;
-};
-
-EdgeMarks longer_than(double limit, const std::array<Vec3, 3>& t) {
-  return {(t[1] - t[0]).norm() > limit, (t[2] - t[1]).norm() > limit, (t[0] - t[2]).norm() > limit};
-}
-
-/// The corners in the parent of a parent's piece.
-std::array<Vec3, 3> corners_within(const std::array<Vec3, 3>& piece,
-                                   const std::array<Vec3, 3>& in_piece) {
-  return {combined(piece, in_piece[0]), combined(piece, in_piece[1]), combined(piece, in_piece[2])};
-}
-
-/// Cut a surface until pieces are hidden or seen as a whole.
-Refined cut_where_hidden(const Refined& joined, Hidden& hidden, const OutsideOptions& options,
-                         Context* context) {
-  const double coarse = std::max(kCoarse * options.edge, std::sqrt(kFew * joined.surface.area()));
-  return refine(
-      joined.surface,
-      [&](const Piece& piece) {
-        const EdgeMarks marks = longer_than(coarse, piece.corners);
-        if (marks != EdgeMarks{}) return marks;
-        const auto parent = static_cast<std::size_t>(piece.parent);
-        const int count =
-            hidden.count({piece.corners}, joined.parents[parent],
-                         corners_within(joined.barycentric[parent], piece.barycentric));
-        if (count == 0 || count == Hidden::kAll) return EdgeMarks{};
-        return longer_than(options.edge, piece.corners);
-      },
-      options.max_faces, context);
-}
-
-std::vector<std::uint8_t> hidden_faces(const Refined& refined, Hidden& hidden, Context* context) {
-  const std::vector<Vec3> vertices = refined.surface.vertices();
-  const std::vector<Face> faces = refined.surface.faces();
-  std::vector<std::uint8_t> result(faces.size(), 0);
-  parallel_chunks(faces.size(), 256, [&](std::size_t begin, std::size_t end) {
-    check_context(context);
-    for (std::size_t f = begin; f < end; ++f) {
-      Triangle triangle;
-      for (std::size_t k = 0; k < 3; ++k)
-        triangle.corners[k] = vertices[static_cast<std::size_t>(faces[f][k])];
-      const int count = hidden.count(triangle, refined.parents[f], refined.barycentric[f]);
-      result[f] = count > 0 ? 1 : 0;
-    }
-  });
-  return result;
-}
-
-void check_options(const OutsideOptions& options) {
-  if (!(options.openness >= 0.0 && options.openness <= 1.0))
-    throw ArgumentError("openness is " + number(options.openness) + ": it must be in 0..1");
-  check_positive("edge", options.edge);
-}
-
-}  // namespace
 
 std::vector<double> exposure(const Surface& surface, std::span<const std::int32_t> faces,
                              std::span<const Vec3> barycentric, Context* context) {
@@ -173,27 +37,6 @@ std::vector<double> exposure(const Surface& surface, Context* context) {
   for (std::size_t f = 0; f < faces.size(); ++f) faces[f] = static_cast<std::int32_t>(f);
   const std::vector<Vec3> centers(faces.size(), Vec3::Constant(1.0 / 3.0));
   return exposure(surface, faces, centers, context);
-}
-
-Refined refine_outside(const Surface& surface, const OutsideOptions& options, Context* context) {
-  check_options(options);
-  Stretch joining(context, 0.0, kJoined), cutting(context, kJoined, kCut);
-  const Refined joined = cut_at_crossings(surface, joining.context());
-  Hidden hidden(surface, options.openness, cutting.context());
-  Refined fine = cut_where_hidden(joined, hidden, options, cutting.context());
-  Refined result = joined.then(fine);
-  Stretch looking(context, kCut, 1.0);
-  const std::vector<double> density =
-      density_without(result.surface, hidden_faces(result, hidden, looking.context()));
-  if (density.empty())
-    throw ArgumentError(
-        "nothing of the surface with a density is seen from outside: openness is too large, or "
-        "another part encloses it");
-  result.surface = result.surface.with_density({DensityAt::kCorners, density}, looking.context());
-  // At a joint itself a sample would lie on both parts, and be seen or not by rounding.
-  result.inset = kInset * options.edge;
-  if (context) context->advance(1.0);
-  return result;
 }
 
 }  // namespace dapple

@@ -128,6 +128,7 @@ class DAPPLE_PG_density(_Open):
     noise_strength: float
     use_outside: bool
     openness: float
+    outside_over_time: str
     use_camera_view: bool
     camera_margin: float
     camera_hidden: bool

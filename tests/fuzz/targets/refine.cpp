@@ -53,10 +53,14 @@ Refined take_obstacles(Bytes& bytes, const Surface& surface) {
 }
 
 Refined take_outside(Bytes& bytes, const Surface& surface) {
+  std::vector<std::vector<Vec3>> poses;
+  while (poses.size() < 2 && bytes.one_in(3))
+    poses.push_back(take_frame(bytes, surface.vertices()));
   return refine_outside(
       surface, {.openness = take_option(bytes, {0.0, 1.0}, 0.05),
                 .edge = take_option(bytes, {0.0, kFinite, true}, 0.1 * std::sqrt(surface.area())),
-                .max_faces = kMostFaces});
+                .max_faces = kMostFaces,
+                .poses = std::move(poses)});
 }
 
 Refined take_refined(Bytes& bytes, const Surface& surface) {

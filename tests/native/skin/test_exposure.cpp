@@ -6,6 +6,7 @@
 #include <dapple/exposure.hpp>
 #include <dapple/refined_samples.hpp>
 #include <dapple/sampler.hpp>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -218,6 +219,84 @@ TEST(RefineOutside, NamesWhatIsWrong) {
   });
   expect_message<ArgumentError>([&] { (void)refine_outside(hidden.surface(), {.edge = 0.1}); },
                                 {"nothing of the surface"});
+}
+
+/// Two balls, the second of which is elsewhere.
+std::vector<Vec3> with_second_moved(const Shape& shape, const Vec3& offset) {
+  std::vector<Vec3> moved = shape.vertices;
+  for (std::size_t v = moved.size() / 2; v < moved.size(); ++v) moved[v] += offset;
+  return moved;
+}
+
+TEST(RefineOutside, LeavesWhatIsSeenInEveryPose) {
+  const Shape shape = two_balls();
+  const Surface surface = shape.surface();
+  const std::vector<Vec3> nearer = with_second_moved(shape, {-0.4, 0.0, 0.0});
+  const std::vector<Vec3> aside = with_second_moved(shape, {0.0, 0.9, 0.0});
+  const Refined refined = refine_outside(surface, {.edge = 0.05, .poses = {nearer, aside}});
+  EXPECT_EQ(refined.original.vertices(), surface.vertices());
+  EXPECT_NEAR(refined.surface.area(), surface.area(), 1e-9 * surface.area());
+  const Samples fine = sample(refined.surface, 600);
+  for (const std::vector<Vec3>& pose : {shape.vertices, nearer, aside}) {
+    const Samples samples = to_original(refined, fine);
+    const std::vector<double> seen =
+        exposure(surface.deformed(pose), samples.faces, samples.barycentric);
+    EXPECT_GT(*std::min_element(seen.begin(), seen.end()), 0.0);
+  }
+  const auto left = [&](const std::vector<std::vector<Vec3>>& poses) {
+    return refine_outside(surface, {.edge = 0.05, .poses = poses}).surface.capacity();
+  };
+  EXPECT_LT(left({nearer, aside}), left({nearer}));
+  EXPECT_LT(left({nearer}), left({}));
+  EXPECT_NEAR(left({nearer, aside}), left({aside, nearer}), 0.01 * surface.area());
+}
+
+TEST(RefineOutside, IsTheSameWithItsOwnPoseAgain) {
+  const Shape shape = two_balls(2);
+  const Refined once = refine_outside(shape.surface(), {.edge = 0.1});
+  const Refined twice = refine_outside(shape.surface(), {.edge = 0.1, .poses = {shape.vertices}});
+  EXPECT_EQ(twice.surface.faces(), once.surface.faces());
+  EXPECT_EQ(twice.surface.density(), once.surface.density());
+}
+
+TEST(RefineOutside, NamesThePoseThatIsWrong) {
+  const Shape shape = two_balls(1);
+  std::vector<Vec3> broken = shape.vertices;
+  broken[3].y() = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [&](const std::vector<Vec3>& pose, const std::string& part) {
+    expect_message<ArgumentError>(
+        [&] {
+          (void)refine_outside(shape.surface(), {.edge = 0.1, .poses = {shape.vertices, pose}});
+        },
+        {part});
+  };
+  refused({Vec3::Zero()}, "poses[1] has 1 entries");
+  refused(broken, "poses[1][3] is not finite");
+  std::vector<Vec3> within = shape.vertices;
+  const Shape inner = with_density(shape, [](const Vec3& p) { return p.x() > 1.5 ? 1.0 : 0.0; });
+  for (std::size_t v = within.size() / 2; v < within.size(); ++v)
+    within[v] = 0.5 * (within[v] - Vec3(kShift, 0.1, 0.05));
+  expect_message<ArgumentError>(
+      [&] { (void)refine_outside(inner.surface(), {.edge = 0.1, .poses = {within}}); },
+      {"nothing of the surface"});
+}
+
+TEST(RefineOutside, ItsSamplesLeaveTheBorderOfTheDensityAtCornersToo) {
+  // No density left of x = 1/2: some faces right of it touch the border with a corner alone.
+  const Shape shape = with_face_density(grid(4), [](const Vec3& p) { return p.x() < 0.5 ? 0 : 1; });
+  const Surface surface = shape.surface();
+  const std::vector<double> whole(1, std::numeric_limits<double>::infinity());
+  Refined refined = refine_edges(surface, whole, 1000);
+  refined.inset = 0.05;
+  std::vector<std::int32_t> faces;
+  std::vector<Vec3> weights;
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface.face_count()); ++f)
+    for (Eigen::Index k = 0; k < 3 && center_of(surface, f).x() > 0.5; ++k) {
+      faces.push_back(f);
+      weights.push_back(Vec3::Unit(k));
+    }
+  const Samples corners = bind_samples(refined.surface, faces, weights);
+  for (const Vec3& place : to_original(refined, corners).positions) EXPECT_GT(place.x(), 0.52);
 }
 
 TEST(RefineOutside, StopsAtTheLimitOfFaces) {

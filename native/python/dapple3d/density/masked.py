@@ -51,23 +51,28 @@ _PIXELS = 8.0  # of a picture per spacing; finer pixels are averaged
 _REPEATED = 1.5  # the same for a picture that repeats often, which is fine everywhere
 _SHORTEST = 0.7  # shortest edge that is cut for a picture, in spacings where it is densest
 
+Poses = Sequence[Floats]
+
 
 @dataclass(frozen=True)
 class _Skin:
     """The part of a surface that is seen from outside."""
 
-    surface: Surface  # at rest, with the same density everywhere
+    surface: Surface  # in the first pose, with the same density everywhere
     openness: float
     edge: float
+    poses: tuple[Floats, ...]  # the others
     refined: Refined  # of the surface; its density is 0 where that is hidden
 
-    def fits(self, surface: Surface, openness: float, edge: float | None) -> bool:
-        """Whether it is what another surface at rest would have; edges of any length fit None."""
+    def fits(self, surface: Surface, openness: float, edge: float | None, poses: Poses) -> bool:
+        """Whether it is what another surface would have; edges of any length fit None."""
         return (
             self.openness == openness
             and edge in (None, self.edge)
+            and len(self.poses) == len(poses)
             and np.array_equal(self.surface.vertices, surface.vertices)
             and np.array_equal(self.surface.faces, surface.faces)
+            and all(map(np.array_equal, self.poses, poses))
         )
 
 
@@ -94,6 +99,8 @@ class MaskedSurface:
         count: number of points that will be sampled: edges are cut relative to their spacing.
         outside: least exposure, 0 to 1, of places that get points, where the surface is at rest:
             see `dapple.refine_outside`; None: hidden places get points too.
+        poses: of (v, 3) each, the vertices in poses of a moving surface: places get points that are
+            seen in all of them; none: where it is at rest.
         balls: centers (k, 3) and radii (k,) of balls that are taken out.
         uv: (m, 3, 2), texture coordinates at the corners of the faces.
         image: (rows, columns), factors >= 0 by texture coordinates, row 0 at v = 0.
@@ -118,6 +125,7 @@ class MaskedSurface:
         *,
         count: int,
         outside: float | None = None,
+        poses: Poses = (),
         balls: tuple[Floats, Floats] | None = None,
         uv: Floats | None = None,
         image: Floats | None = None,
@@ -131,6 +139,9 @@ class MaskedSurface:
             uv = shaped("uv", uv, len(surface.faces), 3, 2)
         if rest is not None:
             rest = shaped("rest", rest, len(surface.vertices), 3)
+        poses = [
+            shaped(f"poses[{k}]", pose, len(surface.vertices), 3) for k, pose in enumerate(poses)
+        ]
         for name, own in (values or {}).items():
             check_values(f"values '{name}'", own, surface)
         self.surface, self._original, self._context = surface, surface, context
@@ -141,7 +152,7 @@ class MaskedSurface:
         self._boundless = [field for field in fields if not field.bounds]
         self._count = count = min(max(count, _COUNTS[0]), _COUNTS[1])
         if outside is not None:
-            self._leave_out_hidden(outside, count, None if like is None else like._skin)
+            self._leave_out_hidden(outside, poses, None if like is None else like._skin)
         if fields or balls is not None:
             self._cut_for(fields, balls, count)
         if image is not None and uv is not None:
@@ -320,27 +331,35 @@ class MaskedSurface:
         self._refined = cut if self._refined is None else self._refined.then(cut)
         self.surface = self._refined.surface
 
-    def _leave_out_hidden(self, openness: float, count: int, known: _Skin | None) -> None:
-        """Remove the density of hidden places; what is hidden at rest stays so."""
-        edge, moved = _AT_HIDDEN * _spacing(self.surface, self.corner_density(), count), False
-        at_rest = self.surface
-        if self._rest is not None:
-            moved, at_rest = True, self.surface.deformed(self._rest)
+    def _leave_out_hidden(self, openness: float, poses: Poses, known: _Skin | None) -> None:
+        """Remove the density of places that are hidden in the poses, or at rest."""
+        edge = _AT_HIDDEN * _spacing(self.surface, self.corner_density(), self._count)
+        first = poses[0] if poses else self._rest
+        if poses and np.array_equal(poses[0], self.surface.vertices):
+            first = None
+        begin = self.surface if first is None else self.surface.deformed(first)
         # In a deformation the spacing differs on each frame, and finding the skin anew takes long.
-        if known is None or not known.fits(at_rest, openness, None if moved else edge):
-            known = self._skin_of(at_rest.with_density(None), openness, edge)
-        self._skin = known
+        if known is None or not known.fits(
+            begin, openness, edge if first is None else None, poses[1:]
+        ):
+            known = self._skin_of(begin.with_density(None), openness, edge, poses[1:])
+        self._skin, moved = known, first is not None
         self._extend(known.refined.deformed(self.surface.vertices) if moved else known.refined)
         if density_of(self._original) is not None:
             own = self._carried(self.own_density)
             shaped = self.surface.with_density(own * self.corner_density(), density_at="corners")
             self._extend(refine_edges(shaped, np.inf))
 
-    def _skin_of(self, surface: Surface, openness: float, edge: float) -> _Skin:
+    def _skin_of(self, surface: Surface, openness: float, edge: float, poses: Poses) -> _Skin:
         refined = refine_outside(
-            surface, edge, openness=openness, max_faces=_MOST_FACES, context=self._context
+            surface,
+            edge,
+            openness=openness,
+            max_faces=_MOST_FACES,
+            poses=poses,
+            context=self._context,
         )
-        return _Skin(surface, openness, edge, refined)
+        return _Skin(surface, openness, edge, tuple(poses), refined)
 
     def _cut_for(
         self, fields: Sequence[Field], balls: tuple[Floats, Floats] | None, count: int
