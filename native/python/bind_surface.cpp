@@ -312,6 +312,12 @@ Raises:
       .def_property_readonly(
           "topology", [](const Surface& s) { return run([&] { return topology(s); }); },
           "A Topology, measured anew at each call.")
+      .def_property_readonly(
+          "islands", [](const Surface& s) { return give(run([&] { return islands(s); })); },
+          "(m,) int32, the island of each face: faces that are connected over edges with density. "
+          "Samples do not move from one island to another, so each has a whole number of them. "
+          "Numbered from 0 in the order of the first faces; -1 for faces without area or density "
+          "and for doubled ones. Found anew at each call.")
       .def(
           "spacing", [](const Surface& s, Count count) { return s.spacing(count); },
           py::arg("count"),

@@ -41,6 +41,7 @@ _OPERATORS = (
         "edit_object_types",
         "select_overlap",
         "select_overlapping",
+        "select_small_parts",
         "solo_scatter",
         "copy_scatter",
     ),

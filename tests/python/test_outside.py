@@ -66,6 +66,25 @@ def test_a_cube_within_a_cube_is_hidden():
     np.testing.assert_array_equal(dapple.exposure(surface), np.repeat([1.0, 0.0], 12))
 
 
+@pytest.mark.parametrize("longest", [0.3, 10.0])
+def test_where_faces_lie_on_each_other_only_the_first_part_has_samples(longest):
+    """Two cubes with their tops and bottoms in the same planes."""
+    parts, offset = [], np.array([0.5, 0.37, 0.0])
+    for place, edge in ((0.0 * offset, longest), (offset, 0.83 * longest)):
+        cut = dapple.refine_edges(dapple.Surface(CUBE + place, CUBE_FACES), edge).surface
+        parts.append((cut.vertices, cut.faces))
+    (one, faces), (other, more) = parts
+    surface = dapple.Surface(np.vstack([one, other]), np.vstack([faces, more + len(one)]))
+    refined = dapple.refine_outside(surface, 0.1 * surface.spacing(COUNT))
+    overlap = (2.0 - offset[0]) * (2.0 - offset[1])
+    sides = 2.0 * (2.0 * (4.0 + offset[0] + offset[1]))
+    assert refined.surface.capacity == pytest.approx(2.0 * (8.0 - overlap) + sides, rel=2e-3)
+    samples = refined.to_original(dapple.sample(refined.surface, COUNT))
+    assert (dapple.exposure(surface, samples.faces, samples.barycentric) > 0.0).all()
+    distances = dapple.nearest_distances(samples.positions) / refined.surface.spacing(COUNT)
+    assert np.sort(distances)[COUNT // 50] > 0.5  # near the end of such a face some are nearer
+
+
 def test_samples_lie_on_the_outer_skin_and_keep_apart_across_the_joint(surface, refined):
     assert refined.resolved
     fine = dapple.sample(refined.surface, COUNT)

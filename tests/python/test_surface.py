@@ -172,6 +172,22 @@ def test_topology(surface):
     )
 
 
+def test_islands_are_parted_where_there_is_no_density():
+    vertices, faces = grid(6)
+    both = (
+        np.vstack([vertices, vertices + np.array([3.0, 0.0, 0.0])]),
+        np.vstack([faces, faces + len(vertices)]),
+    )
+    islands = dapple.Surface(*both).islands
+    check_array(islands, np.int32, (2 * len(faces),))
+    np.testing.assert_array_equal(islands, np.repeat([0, 1], len(faces)))
+    middle = vertices[faces].mean(axis=1)[:, 0]
+    density = np.where(np.abs(middle - np.ptp(vertices[:, 0]) / 2) < 0.2, 0.0, 1.0)
+    parted = dapple.Surface(vertices, faces, density, density_at="faces").islands
+    assert set(parted.tolist()) == {-1, 0, 1}
+    np.testing.assert_array_equal(parted < 0, density == 0.0)
+
+
 @pytest.mark.parametrize(("value", "text"), [(np.nan, "nan"), (np.inf, "inf"), (-np.inf, "-inf")])
 def test_names_the_first_bad_vertex(value, text):
     vertices, faces = grid(4)

@@ -70,6 +70,11 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
         description="Number of faces that do not count because they lie on others",
         min=0,
     )
+    small_parts: IntProperty(
+        name="Small Parts",
+        description="Number of connected parts of the surface that are too small for a whole point",
+        min=0,
+    )
     evaluations: IntProperty(
         name="Evaluations",
         description="Number of evaluations of the energy, which take most of the time",

@@ -14,7 +14,7 @@ from ..base import operator_jobs
 from ..base.object_handles import ObjectHandle
 from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, Status, StepsOperator
-from ..base.translation import operator_label, translated
+from ..base.translation import operator_label, translated, translated_report
 from ..display import preview
 from ..freshness.concurrent_edits import check_points_kept, points_now
 from ..scatter.object import check_all_over, settings_of
@@ -27,6 +27,7 @@ from ..surface.rest_position import kind_of_binding, rest_position
 from . import auto_update
 from .optimize import optimize_steps
 from .session_solutions import write_reattached
+from .small_parts import names_of, select, small_parts_of
 
 
 def _confirms(operator: Any, context: bpy.types.Context) -> bool:
@@ -207,10 +208,37 @@ class DAPPLE_OT_hide_message(AllOrNothing, bpy.types.Operator):
         operator_jobs.dismiss(context.object)
 
 
+class DAPPLE_OT_select_small_parts(AllOrNothing, bpy.types.Operator):
+    """Select the parts of the surface that are too small for a whole point: their objects, and
+    their faces for Edit Mode"""
+
+    bl_idname = "dapple.select_small_parts"
+    bl_label = "Select Small Parts"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def work(self, context: bpy.types.Context) -> None:
+        parts = small_parts_of(context.object)
+        if not parts:
+            self.report({"INFO"}, translated_report("Every part has room for a whole point"))
+            return
+        select(context, parts)
+        text = translated_report(
+            "{count:,} parts are too small for a whole point: {names}",
+            count=len(parts),
+            names=names_of(parts),
+        )
+        self.report({"INFO"}, text)
+
+
 CLASSES = (
     DAPPLE_OT_cancel_update,
     DAPPLE_OT_hide_message,
     DAPPLE_OT_delete_keyframes,
     DAPPLE_OT_optimize,
     DAPPLE_OT_reattach,
+    DAPPLE_OT_select_small_parts,
 )

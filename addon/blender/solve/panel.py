@@ -15,7 +15,7 @@ from ..scatter.panel import ScatterPanel
 from ..surface import subdivision
 from ..surface.subdivision import DAPPLE_OT_match_subdivision
 from . import figure_images
-from .operators import DAPPLE_OT_reattach
+from .operators import DAPPLE_OT_reattach, DAPPLE_OT_select_small_parts
 from .results_panel import figure_lines
 
 
@@ -85,6 +85,8 @@ def _draw_attached(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
 def _draw_figures(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     for text, icon in figure_lines(obj):
         lines_of(layout, text, icon)
+    if obj.dapple.report.small_parts:
+        layout.operator(DAPPLE_OT_select_small_parts.bl_idname, icon="RESTRICT_SELECT_OFF")
     column = layout.column()
     column.prop(obj.dapple.report, "spacing")
     column.enabled = False

@@ -46,6 +46,13 @@ def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
         whole = 100 * report.whole_count_variation
         text = translated("Due to whole counts per part: {whole:.2g} %", whole=whole)
         lines.append((text, "INFO"))
+    if report.small_parts:
+        text = translated_count(
+            report.small_parts,
+            "{count} part is too small for a whole point",
+            "{count:,} parts are too small for a whole point",
+        )
+        lines.append((text, "INFO"))
     if not report.converged and not obj.dapple.baked_keys:
         lines.append((_shortfall(obj), "INFO"))
     return lines

@@ -15,6 +15,7 @@ from ..base.native import named, package
 from ..density.masked_surface import MaskedSurface
 from ..settings.values import Settings
 from ..solve.class_counts import resumed_on, tracked
+from ..solve.small_parts import small_parts
 from ..solve.solve import Report, report_of
 from ..surface.arrays import REATTACH, Floats, Ints, SurfaceArrays, check_same_topology
 from ..surface.binding import placed_of, places_on, rebound, samples_of
@@ -208,6 +209,7 @@ class Baker:
             capacity_variation=max(report.capacity_variation for report in reports),
             whole_count_variation=max(report.whole_count_variation for report in reports),
             thin_share=max(report.thin_share for report in reports),
+            small_parts=self._small_parts(),
             evaluations=round(sum(report.evaluations for report in reports) / count),
             milliseconds=sum(report.milliseconds for report in reports) / count,
             converged=all(report.converged for report in reports),
@@ -229,6 +231,11 @@ class Baker:
             "overlap_between": largest.between,
             "type_overlaps": self._overlaps.text(),
         }
+
+    def _small_parts(self) -> int:
+        count = max(report.count for report in self.reports)
+        several = any(report.whole_count_variation > 0.0 for report in self.reports)
+        return len(small_parts(self.masked_surfaces.first, count)) if several else 0
 
     def baked(self) -> Baked:
         """The keyframes of all frames."""

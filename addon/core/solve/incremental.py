@@ -25,6 +25,7 @@ from .class_counts import clearances, wanted_counts
 from .figures import Details, details_of
 from .locked import Locked
 from .relaxation import Relaxer, locked_rows, old_rows, staying
+from .small_parts import small_parts
 from .solve import Scattered, Solved, apart, point_columns, report_of
 
 KEEPING = {"count", "per_area", "density", "forward"}  # settings that may have changed
@@ -145,7 +146,9 @@ def measured(scattered: Scattered, context: Any) -> Scattered:
         density = masked.density_at(samples)
         gaps = details_of(samples, density).gaps
     effort = {name: getattr(scattered.report, name) for name in (*_EFFORT, *_OVERLAP)}
-    report = replace(found, doubled_faces=masked.original.doubled_faces, **effort)
+    few = len(small_parts(masked, len(samples))) if found.whole_count_variation > 0.0 else 0
+    doubled = masked.original.doubled_faces
+    report = replace(found, doubled_faces=doubled, small_parts=few, **effort)
     return replace(scattered, report=report, details=Details(gaps=gaps))
 
 

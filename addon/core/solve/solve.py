@@ -20,6 +20,7 @@ from .class_counts import clearances, sampled
 from .edges import bound_on_edges, counts_on_edges, dealt, sampled_on_edges
 from .figures import Details, details_of
 from .locked import Locked, kept_ids, rows_of
+from .small_parts import small_parts
 from .symmetric import paired_ranks, sampled_in_pairs
 
 _AT_BORDER = 0.5  # length of the direction away from neighbors at a straight border
@@ -37,6 +38,7 @@ class Report:
     whole_count_variation: float = 0.0  # share caused by integer counts on separate parts
     thin_share: float = 0.0  # share of the points on parts thinner than the spacing
     doubled_faces: int = 0  # faces of the surface that do not count
+    small_parts: int = 0  # parts of the surface that are too small for a whole point
     evaluations: int = 0
     milliseconds: float = 0.0
     converged: bool = False
@@ -114,6 +116,8 @@ def scatter(
     report = replace(
         report_of(samples.report).of_ids(ids), doubled_faces=masked.original.doubled_faces
     )
+    if report.whole_count_variation > 0.0:  # there are several parts
+        report = replace(report, small_parts=len(small_parts(masked, len(ids))))
     details = details_of(fine, density)
     capacity, solved = float(masked.surface.capacity), Solved(arrays, masked, fine)
     return Scattered(positions, binding, columns, report, details, settings, capacity, solved)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dapple/surface.hpp>
+#include <vector>
 
 namespace dapple {
 
@@ -21,5 +22,11 @@ struct Topology {
 /// Manifoldness, borders and genus come from OpenMesh's half-edge mesh; counts that must also hold
 /// for non-manifold input come from the surface's own adjacency.
 [[nodiscard]] Topology topology(const Surface& surface);
+
+/// The island of each face: faces that are connected over edges with density. Samples do not move
+/// from one island to another, so each has a whole number of them.
+/// \return one number per face, the caller's index, from 0 in the order of the first faces; -1 for
+///         faces without area or density and for doubled ones
+[[nodiscard]] std::vector<std::int32_t> islands(const Surface& surface);
 
 }  // namespace dapple

@@ -3,6 +3,8 @@
 
 #include "base/progress.hpp"
 #include "surface/border_loops.hpp"
+#include "surface/islands.hpp"
+#include "surface/on_density.hpp"
 #include "surface/openmesh.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -75,6 +77,22 @@ Topology topology(const Surface& surface) {
                      static_cast<std::int32_t>(mesh.n_edges()) +
                      static_cast<std::int32_t>(mesh.n_faces());
   result.genus = (2 * result.components - result.border_loops - euler) / 2;
+  return result;
+}
+
+std::vector<std::int32_t> islands(const Surface& surface) {
+  const OrderedSurface& mesh = surface.ordered();
+  const Islands known(surface);
+  std::vector<std::int32_t> numbers(known.count(), -1), result(surface.face_count(), -1);
+  std::int32_t next = 0;
+  for (std::size_t f = 0; f < result.size(); ++f) {
+    check_at(f);
+    const OrderedFace face = mesh.ordered_face(static_cast<std::int32_t>(f));
+    if (!mesh.counts(face) || !has_density(surface, face)) continue;
+    std::int32_t& number = numbers[known.at(face)];
+    if (number < 0) number = next++;
+    result[f] = number;
+  }
   return result;
 }
 

@@ -58,6 +58,7 @@ class DAPPLE_PG_report(_Open):
     whole_count_variation: float
     thin_share: float
     doubled_faces: int
+    small_parts: int
     evaluations: int
     milliseconds: float
     converged: bool

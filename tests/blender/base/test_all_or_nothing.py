@@ -30,6 +30,17 @@ def touching():
     return obj
 
 
+def with_bolt():
+    """On two objects, one of which is too small for a point."""
+    bolt = scenes.sphere(scale=(0.05, 0.05, 0.05), location=(2.0, 0.0, 0.0))
+    ball = scenes.sphere()
+    bolt.select_set(True)
+    bpy.context.view_layer.objects.active = ball
+    assert bpy.ops.dapple.add_scatter(count=60) == {"FINISHED"}
+    assert bpy.context.object.dapple.report.small_parts == 1
+    return bpy.context.object
+
+
 def baked():
     obj = scattered()
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 3
@@ -251,6 +262,7 @@ CASES = [
     ("lock_points", {"every": True}, scattered, f"{HAND}.operators.lock_points"),
     ("select_overlap", {}, touching, "blender.object_types.operators.select_overlap"),
     ("select_overlapping", {}, touching, "blender.object_types.operators.select_points"),
+    ("select_small_parts", {}, with_bolt, "blender.solve.operators.select"),
     ("select_scatter", FIRST, two_scatters, "blender.add.scatter_list.activate"),
     ("select_surface", {}, two_scatters, "blender.add.scatter_list.activate"),
     ("solo_scatter", {}, two_scatters, "blender.add.scatter_list.show_solo"),
@@ -413,6 +425,7 @@ TRIED = [
         ("lock_points", {"every": True}),
         ("select_overlap", {}),
         ("select_overlapping", {}),
+        ("select_small_parts", {}),
         ("mark_asset", {}),
     ),
     *(

@@ -81,6 +81,17 @@ void expect_topology(const Topology& found) {
   EXPECT_EQ(found.manifold, found.genus >= 0);
 }
 
+void expect_islands(const Surface& surface) {
+  const std::vector<std::int32_t> found = islands(surface);
+  ASSERT_EQ(found.size(), surface.face_count());
+  std::int32_t next = 0;
+  for (const std::int32_t island : found) {
+    EXPECT_LE(island, next);
+    next = std::max(next, island + 1);
+  }
+  EXPECT_GT(next, 0);
+}
+
 void expect_curvature(const Surface& surface) {
   const std::vector<double> density = curvature_density(surface);
   EXPECT_EQ(density.size(), surface.vertex_count());
@@ -181,6 +192,7 @@ void fuzz_surface(Bytes& bytes) {
   EXPECT_GT(surface->area(), 0.0);
   EXPECT_GT(surface->capacity(), 0.0);
   expect_topology(topology(*surface));
+  expect_islands(*surface);
   expect_curvature(*surface);
   fuzz_projector(bytes, shape, *surface);
   fuzz_energy(bytes, *surface);

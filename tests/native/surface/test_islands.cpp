@@ -4,6 +4,7 @@
 #include <cmath>
 #include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
+#include <dapple/topology.hpp>
 
 #include "invariants.hpp"
 #include "shapes.hpp"
@@ -27,6 +28,29 @@ TEST(Islands, AreTheComponentsWhereThereIsDensityEverywhere) {
   const Islands islands(surface);
   EXPECT_FALSE(islands.has_gaps());
   EXPECT_EQ(islands.count(), 2u);
+}
+
+TEST(Islands, AreNumberedInTheOrderOfTheirFirstFaces) {
+  const std::vector<std::int32_t> whole = islands(two_components().surface());
+  EXPECT_EQ(whole.front(), 0);
+  EXPECT_EQ(whole.back(), 1);
+  const Surface surface = board(24, 6, false).surface();
+  const std::vector<std::int32_t> found = islands(surface);
+  const std::vector<double> density = surface.density();
+  std::int32_t next = 0;
+  for (std::size_t f = 0; f < found.size(); ++f) {
+    EXPECT_LE(found[f], next);
+    if (found[f] == next) ++next;
+    EXPECT_EQ(found[f] < 0, density[f] == 0.0) << f;
+  }
+  EXPECT_EQ(next, 18);
+}
+
+TEST(Islands, ADoubledFaceIsInNone) {
+  const Shape shape = joined(grid(2), grid(2));
+  const std::vector<std::int32_t> found = islands(shape.surface());
+  for (std::size_t f = 0; f < found.size(); ++f)
+    EXPECT_EQ(found[f], f < found.size() / 2 ? 0 : -1) << f;
 }
 
 TEST(Islands, ThatTouchAtACornerAreTwo) {
