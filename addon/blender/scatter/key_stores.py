@@ -80,7 +80,7 @@ def read_baked(obj: bpy.types.Object) -> Baked:
     """The keyframes of a baked scatter."""
     keys, triangles, frames = (stored_object(obj, name).data for name in STORES)
     return Baked(
-        read_columns(keys, {**KEY_ATTRIBUTES, "position": "FLOAT_VECTOR"}),
+        read_columns(keys, {**key_types(keys.attributes), "position": "FLOAT_VECTOR"}),
         read_columns(triangles, triangle_types(triangles.attributes)),
         read_columns(frames, FRAME_ATTRIBUTES),
     )

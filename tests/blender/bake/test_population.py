@@ -50,6 +50,17 @@ def fades(obj, frame, subframe=0.0):
     return 1.0 - values.reshape(-1, len(obj.data.vertices))[frame - 1]
 
 
+def test_other_scatters_avoid_only_points_that_exist(breathing):
+    _, obj = breathing
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    playback = addon_host.part("blender.surface.playback")
+    for frame in (1, 6, FRAMES):
+        there = (fades(obj, frame) > 0.0) | (fades(obj, min(frame + 1, FRAMES)) > 0.0)
+        assert not there.all()
+        bpy.context.scene.frame_set(frame)
+        np.testing.assert_array_equal(playback.points_now(obj, {})[1], there)
+
+
 def test_the_count_follows_the_area(breathing):
     _, obj = breathing
     assert bpy.ops.dapple.bake() == {"FINISHED"}
