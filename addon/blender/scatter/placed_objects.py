@@ -78,12 +78,22 @@ def _footprint(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) ->
     """Radius of the circle around the Z axis that contains all instances."""
     reaches = [
         float(np.hypot(places[:, 0], places[:, 1]).max(initial=0.0))
-        for places in _places(kind, depsgraph)
+        for places in instanced_vertices(kind, depsgraph)
     ]
     return max(reaches, default=0.0)
 
 
-def _places(kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph) -> Iterator[Floats]:
+def instanced_objects(kind: bpy.types.PropertyGroup) -> list[bpy.types.Object]:
+    """The objects that an object type instances, also those with a weight of 0."""
+    chosen = kind.collection
+    if chosen is None or not (chosen.objects or chosen.children):
+        return [] if kind.instance is None else [kind.instance]
+    return list(chosen.all_objects)
+
+
+def instanced_vertices(
+    kind: bpy.types.PropertyGroup, depsgraph: bpy.types.Depsgraph
+) -> Iterator[Floats]:
     """Vertices (n, 3) of each instanced object as nodes place it: objects without their own
     transform, a collection inside another one as a whole.
     """

@@ -145,3 +145,20 @@ def as_rendered(scatters: Sequence[bpy.types.Object]) -> Iterator[None]:
                     setattr(obj.dapple, name, value)
                     back.callback(setattr, obj.dapple, name, before)
         yield
+
+
+@contextmanager
+def shown_for_now(obj: bpy.types.Object) -> Iterator[None]:
+    """Show a scatter in the view layer, however it is hidden, so that its instances are there."""
+    root = bpy.context.scene.collection.objects
+    with quiet(), ExitStack() as back:
+        if obj.hide_viewport:
+            obj.hide_viewport = False
+            back.callback(setattr, obj, "hide_viewport", True)
+        if not obj.visible_get() and obj.name not in root:
+            root.link(obj)  # a collection may hide it
+            back.callback(root.unlink, obj)
+        if obj.hide_get():
+            obj.hide_set(False)
+            back.callback(obj.hide_set, True)
+        yield

@@ -18,8 +18,9 @@ from ...core.surface.mesh_snapshot import RawImage, RawMesh, image_density, surf
 from ...core.surface.records import check_columns
 from ..base.mesh_arrays import matrix_of, read_columns
 from ..base.object_handles import ObjectHandle
-from ..scatter.instance_shapes import InstanceShapes, shapes_of
+from ..scatter.instance_shapes import InstanceShapes
 from ..scatter.object import is_scatter
+from .avoided_shapes import KnownShapes, avoided_shapes
 from .images import is_film, read_images
 from .joined_parts import parts_of
 from .mesh import Parts, evaluated, mesh_parts, read_uv
@@ -70,6 +71,7 @@ class Known:
     meshes: dict[int, RawMesh] = field(default_factory=dict)  # other meshes
     picture: dict[str, Any] | None = None
     scatters: dict[int, Baked] = field(default_factory=dict)  # keyframes of baked scatters
+    shapes: dict[int, KnownShapes] = field(default_factory=dict)  # of the instances of scatters
 
     def like(self, topology: str) -> SurfaceArrays | None:
         """The arrays that were read for the same polygons."""
@@ -141,7 +143,7 @@ def nearby_parts(
             found.hiding = yield from _solid_parts(others, known)
     if density.avoid_collection:
         others = obstacles_of(density.avoid_collection, surface.get(), _object(own))
-        found.hulls, shaped = _shapes(others, density.avoid_shape)
+        found.hulls, shaped = avoided_shapes(others, density.avoid_shape, known.shapes)
         found.points, found.radii = balls(others, density.avoid_margin, known.scatters, shaped)
         yield PAUSE
         found.obstacles = yield from _solid_parts(others, known)
@@ -235,29 +237,6 @@ def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:
     there[:3, :3] /= np.linalg.norm(there[:3, :3], axis=0)  # renders ignore a camera's scale
     found: Floats = np.array(frame, dtype=np.float64) @ np.linalg.inv(there)
     return found
-
-
-def _shapes(
-    others: list[bpy.types.Object], shape: str
-) -> tuple[list[InstanceShapes], dict[int, LongInts]]:
-    """Shapes of the instances of other scatters, and ids of their points that show meshes, by the
-    scatters' session_uid; none if the points keep discs free.
-
-    Raises:
-        ScatterError: a scatter with points is hidden.
-    """
-    found, ids = [], {}
-    for obj in others if shape != "DISC" else ():
-        if is_scatter(obj) and len(obj.data.vertices):
-            if not obj.visible_get():
-                raise ScatterError(
-                    f"Scatter '{obj.name}' is hidden in the viewport, so the shapes of its "
-                    "instances are not known: show it, or set Instances below Avoid Collection to "
-                    "Disc"
-                )
-            shapes, ids[obj.session_uid] = shapes_of(obj, shape)
-            found.append(shapes)
-    return found, ids
 
 
 def balls(

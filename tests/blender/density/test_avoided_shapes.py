@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Points avoid boxes and convex hulls of the instances of other scatters, as renders show them."""
 
+import addon_host
 import bpy
 import numpy as np
 import pytest
@@ -173,18 +174,74 @@ def test_flat_instances_keep_what_they_cover_free():
         assert MARGIN - ROUNDED < min(away) < MARGIN + 0.1
 
 
-def test_a_scatter_without_points_is_no_trouble_and_a_hidden_one_is():
+def layer_of(obj):
+    """The collection that an object is in, in the view layer."""
+    children = bpy.context.view_layer.layer_collection.children
+    return children[obj.users_collection[0].name]
+
+
+HIDING = {
+    "eye": lambda obj: obj.hide_set(True),
+    "monitor": lambda obj: setattr(obj, "hide_viewport", True),
+    "collection": lambda obj: setattr(layer_of(obj), "hide_viewport", True),
+    "disabled": lambda obj: setattr(obj.users_collection[0], "hide_viewport", True),
+}
+
+
+@pytest.mark.parametrize("shape", ["BOX", "HULL"])
+@pytest.mark.parametrize("how", HIDING)
+def test_hidden_instances_are_avoided_and_stay_hidden(how, shape):
     surface = ground()
     logs, things = avoided(surface, log())
-    logs.hide_set(True)
-    with pytest.raises(
-        RuntimeError,
-        match=r"is hidden in the viewport, so the shapes of its instances are not known",
-    ):
-        grass_on(surface, things, "HULL", 100)
-    logs.hide_set(False)
+    expected = scenes.positions(grass_on(surface, things, shape, 300))
+    bpy.context.scene.collection.objects.unlink(logs)
+    HIDING[how](logs)
+    bpy.context.view_layer.update()
+    shown, hidden = logs.visible_get(), logs.hide_viewport
+    grass = grass_on(surface, things, shape, 300)
+    np.testing.assert_array_equal(scenes.positions(grass), expected)
+    assert not shown
+    assert (logs.visible_get(), logs.hide_viewport) == (False, hidden)
+    assert logs.name not in bpy.context.scene.collection.objects
+    assert reason(grass) == ""
+
+
+def test_a_scatter_without_points_is_no_trouble():
+    surface = ground()
+    logs, things = avoided(surface, log())
     logs.data.clear_geometry()
     assert len(scenes.positions(grass_on(surface, things, "HULL", 100))) == 100
+
+
+def test_instances_that_stand_still_are_read_once(monkeypatch):
+    module = addon_host.part("blender.surface.avoided_shapes")
+    read, frames = module.read_shapes, []
+    monkeypatch.setattr(module, "read_shapes", lambda *what: frames.append(1) or read(*what))
+    instance = log()
+    _, things = avoided(ground(), instance)
+    moving = ground(size=2.0, cuts=4)
+    for frame, place in ((1, -0.5), (5, 0.5)):
+        moving.location.x = place
+        moving.keyframe_insert("location", frame=frame)
+    grass = grass_on(moving, things, "BOX", 200)
+
+    def reads(frame_end):
+        bpy.context.scene.frame_end = frame_end
+        bpy.context.scene.frame_set(1)
+        scenes.activate(grass)
+        frames.clear()
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        return len(frames)
+
+    still = reads(4)
+    assert reads(9) == still
+    instance.shape_key_add(name="Basis")
+    instance.shape_key_add(name="Wide").data[0].co.x -= 1.0
+    wide = instance.data.shape_keys.key_blocks["Wide"]
+    for frame, value in ((1, 0.0), (9, 1.0)):
+        wide.value = value
+        wide.keyframe_insert("value", frame=frame)
+    assert reads(9) >= still + 7
 
 
 def test_a_change_of_an_instance_makes_the_result_out_of_date():

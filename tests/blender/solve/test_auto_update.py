@@ -381,8 +381,9 @@ def test_scatters_that_avoid_each_other_come_to_rest(live):
     assert live.settle() == 2
 
 
+@pytest.mark.parametrize("hidden", [False, True])
 @pytest.mark.parametrize("display", ["INSTANCES", "POINTS"])
-def test_shapes_that_are_avoided_are_followed_and_come_to_rest(live, display):
+def test_shapes_that_are_avoided_are_followed_and_come_to_rest(live, display, hidden):
     surface = scenes.sphere()
     other = scenes.scattered(surface, count=10)
     obj = scenes.scattered(surface, count=60)
@@ -390,12 +391,14 @@ def test_shapes_that_are_avoided_are_followed_and_come_to_rest(live, display):
     density.avoid_collection, density.avoid_shape = scenes.collection_of(other), "HULL"
     obj.dapple.auto_update_mode, other.dapple.auto_update_mode = "ON", "OFF"
     other.dapple.display_as = display
+    other.hide_set(hidden)
     live.settle()
     assert live.settle() == 0
     other.dapple.scale *= 1.5
     assert live.settle() == 1
     assert reason(obj) == ""
     assert other.dapple.display_as == display
+    assert other.hide_get() == hidden
 
 
 def test_a_trouble_is_said_until_it_is_gone(live, obj):
