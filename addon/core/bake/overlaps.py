@@ -97,15 +97,15 @@ def discs_at(
 ) -> Discs:
     """Discs around points (n, 3), which are at or near their places on a surface.
 
-    The radii are those of the object types; `who` are ids and types of at least n points.
+    The radii are those of the object types; `who` are ids and types of at least n points. Points
+    that appear or vanish are left out: what vanishes gives way to others while it becomes smaller.
     """
-    count = len(points)
-    faded = np.zeros(count) if placed.faded is None else placed.faded[:count]
-    there = np.flatnonzero(faded < 1.0)
+    there = np.arange(len(points))
+    if placed.faded is not None:
+        there = np.flatnonzero(placed.faded[: len(points)] == 0.0)
     ids, classes = (values[there] for values in who)
     normals = _normals(vertices[placed.binding.corners[there]])
-    sizes = radii[classes] * (1.0 - faded[there])  # instances that fade are smaller
-    return Discs(points[there], normals, sizes, classes, ids)
+    return Discs(points[there], normals, radii[classes], classes, ids)
 
 
 def overlaps_from(text: str) -> list[Overlap]:

@@ -13,9 +13,13 @@ FRAMES = 9
 RADII = (0.3, 0.12, 0.0)
 
 
-def mixed(every=1, **settings):
-    """A baked scatter of three types on a body that bends."""
+def mixed(every=1, sizes=(), **settings):
+    """A baked scatter of three types on a body that bends, and has these sizes at some frames."""
     surface = scenes.tail(frames=FRAMES)
+    for frame, size in sizes:
+        surface.scale = (size, size, size)
+        surface.keyframe_insert("scale", frame=frame)
+    bpy.context.scene.frame_set(1)
     obj = scenes.scattered(surface, count=60)
     for radius in RADII:
         assert bpy.ops.dapple.edit_object_types(action="ADD") == {"FINISHED"}
@@ -60,6 +64,18 @@ def test_each_type_has_its_largest_overlap_as_played(every):
     worst = found.argmax(axis=0) + 1
     assert frames == [frame for frame, one in zip(worst, told, strict=True) if one.share > 1e-3]
     assert report.overlap_between == ((report.overlap_frame - 1) % every != 0)
+
+
+def test_points_that_appear_or_vanish_do_not_count():
+    """What vanishes gives way: others may stand where it becomes smaller."""
+    obj = mixed(population="KEEP_DENSITY", sizes=((1, 1.0), (4, 1.3), (FRAMES, 1.0)))
+    scales = []
+    for frame in range(1, FRAMES + 1):
+        bpy.context.scene.frame_set(frame)
+        lengths = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
+        scales.append(lengths.min() / lengths.max())
+    assert min(scales) < 0.9, "some fade"
+    assert obj.dapple.report.worst_overlap < 0.05
 
 
 def test_overlaps_between_keyframes_are_said():
