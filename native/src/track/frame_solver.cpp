@@ -220,8 +220,8 @@ Beginning on_density(const Surface& surface, const Frame& frame,
 
 double alpha_min(const Minimum& found) { return measure_evenness(found.state.diagram()).alpha_min; }
 
-/// Where a moving density left sites too near to each other, they are moved apart in the end. Those
-/// that it moved may go farther than others.
+/// Where a moving density or new faces left sites too near to each other, they are moved apart in
+/// the end. Those that were displaced may go farther than others.
 void end_moving(const Frame& frame, const Surface& surface, OptimizerOptions options,
                 const Beginning& first, const Restoration& aim, Minimum& found, Context* context) {
   if (frame.classes.size() > 1 || frame.objective.holds_discs) return;
@@ -373,7 +373,7 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
   const Tracked tracked{.home = first.home ? &*first.home : nullptr, .restoration = &aim};
   Minimum found = idle ? minimize(frame.objective, begin, options, context, tracked)
                        : frame.search(begin, options, tracked, context);
-  if (moved == Moved::kDensity) end_moving(frame, surface, options, first, aim, found, context);
+  if (moved != Moved::kNothing) end_moving(frame, surface, options, first, aim, found, context);
   const StageSpan reporting(context, Stage::kReporting);
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
   samples.classes = class_of_;
