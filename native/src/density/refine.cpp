@@ -67,6 +67,7 @@ class CutMesh {
         welded_(welded_vertices(surface)),
         context_(context) {
     std::vector<std::int32_t> edge_of(3 * faces_.size(), kNone);  // per half-edge
+    triangles_.reserve(faces_.size());
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       check_at(context_, f);
       if (!surface.ordered().counts(surface.ordered().ordered_face(as_int(f)))) continue;
@@ -183,7 +184,8 @@ class CutMesh {
   /// and these edges are twins.
   void number_ring(std::int32_t half_edge, std::vector<std::int32_t>& edge_of) {
     const std::int32_t first = ends_of(half_edge)[0];
-    std::vector<std::int32_t> twins;
+    std::vector<std::int32_t>& twins = ring_;
+    twins.clear();
     std::int32_t h = half_edge;
     do {
       auto [a, b] = ends_of(h);
@@ -329,6 +331,7 @@ class CutMesh {
   std::vector<std::array<std::int32_t, 2>> ends_;
   std::vector<Edge> edges_;
   std::vector<Triangle> triangles_;
+  std::vector<std::int32_t> ring_;  // memory of number_ring()
 };
 
 Refined CutMesh::result(bool resolved, Context* context) && {
