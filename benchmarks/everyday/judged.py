@@ -111,14 +111,23 @@ def surface_now(obj: Any) -> dapple.Surface:
     )
 
 
-def measured(surface: dapple.Surface, places: Array, *, even: bool = True) -> Found:
-    """How even points are over a surface whose density is 1, and how far they are from it."""
+def measured(
+    surface: dapple.Surface, places: Array, *, even: bool = True, outside: float | None = None
+) -> Found:
+    """How even points are over a surface whose density is 1, and how far they are from it.
+
+    Only what is as open as `outside` counts, if that is given.
+    """
     found = dapple.project(surface, places)
     spacing = surface.spacing(max(len(places), 1))
     off = float(np.linalg.norm(found.positions - places, axis=1).max(initial=0.0)) / spacing
     if not even:
         return Found(off=off)
-    report = dapple.analyze(surface, dapple.Samples(surface, found.faces, found.barycentric))
+    samples = dapple.Samples(surface, found.faces, found.barycentric)
+    if outside is not None:
+        masked = dapple.density.MaskedSurface(surface, count=len(places), outside=outside)
+        surface, samples = masked.surface, masked.from_original(samples)
+    report = dapple.analyze(surface, samples)
     return Found(variation=report.capacity_variation, alpha=report.alpha_min, off=off)
 
 

@@ -34,8 +34,10 @@ def plain(make: Callable[[], Any], *, even: bool = True) -> Callable[[], Found]:
     def run() -> Found:
         surface = make()
         obj = scenes.scatter(surface, COUNT)
-        seconds = optimized(obj)
-        return replace(measured(surface_now(surface), points(obj)[0], even=even), seconds=seconds)
+        seconds, density = optimized(obj), obj.dapple.density
+        outside = density.openness if density.use_outside else None
+        found = measured(surface_now(surface), points(obj)[0], even=even, outside=outside)
+        return replace(found, seconds=seconds)
 
     return run
 
