@@ -189,7 +189,8 @@ class Baker:
         # Stored samples differ from the solved ones by rounding, so the tracker continues from
         # them.
         self._tracked = -1 if masked.is_cut else self.done + 1
-        solved = self._solved_of(masked.to_original(samples), tracker.settled)
+        there = self.masked_surfaces.on_original(masked, samples, self._now.vertices)
+        solved = self._solved_of(there, tracker.settled)
         self._keep(solved, self.first + self.done, self.fingerprint)
         self._add(solved)
 

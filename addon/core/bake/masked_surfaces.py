@@ -11,7 +11,7 @@ import numpy as np
 
 from ..density.counts import shrunk
 from ..density.masked_surface import MaskedSurface, masked_surface_of
-from ..density.outside import is_decided_on_each_frame
+from ..density.outside import is_decided_on_all_frames, is_decided_on_each_frame
 from ..density.terms import has_mask, names_of
 from ..settings.values import DensitySettings, Settings, materials_of
 from ..solve.class_counts import clearances
@@ -73,6 +73,15 @@ class MaskedSurfaces:
         if bound is not self.bound:
             return self._built_on(laid, bound, masked_surface_of(bound, self._settings))
         return self.now if laid is self.laid else self._built_on(laid, bound, self.first)
+
+    def on_original(self, masked: MaskedSurface, samples: Any, vertices: Floats) -> Any:
+        """Samples of a surface with its density, on the faces that were read, in a frame.
+
+        On an edge that folds a sample is hidden or not by rounding, so it leaves the edge. Where
+        all frames decide what is outside, an edge that folds on this frame alone counts too.
+        """
+        at_frame = is_decided_on_all_frames(self._settings.density)
+        return masked.to_original(samples, vertices if at_frame else None)
 
     def with_clearance(self, placed: Placed, vertices: Floats, classes: Ints) -> Placed:
         """Add the clearance (n,) of each point in a frame; 0 for points that do not exist there."""

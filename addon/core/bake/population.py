@@ -128,7 +128,8 @@ class PopulationBaker(Baker):
         """Solve the frame."""
         with named(self.bound.name):
             samples, report = self._next(context)
-            now = self.masked_surfaces.now.to_original(samples)
+            masked, vertices = self.masked_surfaces.now, self._now.vertices
+            now = self.masked_surfaces.on_original(masked, samples, vertices)
         there = _FramePoints(now.ids, now.classes, now.faces, now.barycentric, now.fade)
         kept = self._kept(there, report_of(report), self._population.state)
         self._keep(kept, self.first + self.done, self.fingerprint)

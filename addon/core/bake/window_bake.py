@@ -116,7 +116,9 @@ class WindowBaker(Baker):
             tracker, masked = self._ready_tracker()
             frames = [masked.vertices(one.surface.vertices) for one in self.held[:count]]
             found = tracker.advance(frames, done, context=context)
-            return [masked.to_original(one) for one in found]
+            surfaces = [one.surface.vertices for one in self.held[:count]]
+            on_original = self.masked_surfaces.on_original
+            return [on_original(masked, *one) for one in zip(found, surfaces, strict=True)]
 
     def _piece(self, count: int, done: int) -> str:
         """Fingerprint of a piece."""

@@ -194,3 +194,24 @@ def test_another_mask_keeps_what_all_frames_decide():
     found = list(each_frame(obj, balls))
     assert [hidden for _, hidden in found] == [0] * FRAMES
     assert min(points[:, 2].min() for points, _ in found) > -0.05
+
+
+def test_points_leave_an_edge_that_folds_on_a_later_frame():
+    """On the edge itself they would be seen or not by rounding."""
+    masked_surfaces = addon_host.part("core.bake.masked_surfaces").MaskedSurfaces
+    values, arrays = addon_host.part("core.settings.values"), addon_host.part("core.surface.arrays")
+    package = addon_host.part("core.base.native").package()
+    flat = np.array([(0, 0, 0), (0, 1, 0), (-1, 0.5, 0), (1, 0.5, 0)], dtype=np.float64)
+    folded = flat.copy()
+    folded[2:] = [(-0.2, 0.5, 1.0), (0.2, 0.5, 1.0)]
+    faces = np.array([(0, 1, 2), (1, 0, 3)], dtype=np.int32)
+    first = arrays.SurfaceArrays("Book", flat, faces, "", poses=(folded,))
+    for over_time, leaves in (("ALL_FRAMES", True), ("FIRST_FRAME", False)):
+        density = values.DensitySettings(use_outside=True, outside_over_time=over_time)
+        known = masked_surfaces(first, values.Settings(count=100, density=density))
+        masked = known.first
+        fold = masked.from_original(
+            package.Samples(masked.original, [0], [[0.5, 0.5, 0.0]], ids=[0], classes=[0])
+        )
+        found = known.on_original(masked, fold, folded)
+        assert (found.barycentric[0, 2] > 0.0) == leaves

@@ -99,7 +99,7 @@ TEST(Crossings, AreTheSameSeenFromBothFaces) {
   for (const Crossing& point : found.points) {
     const OrderedSurface& mesh = surface.ordered();
     const Vec3 normal = mesh.geometry(point.face).normal;
-    const Vec3 corner = mesh.vertex(mesh.corners(point.face)[0]);
+    const Vec3& corner = mesh.vertex(mesh.corners(point.face)[0]);
     EXPECT_NEAR((point.position - corner).dot(normal), 0.0, 1e-12);
   }
 }
