@@ -18,6 +18,8 @@ BLENDERS_OWN = {
     "Adjust Last Operation",
     "Airbrush",
     "Compress",
+    "Extrude",
+    "Geometry",
     "Interpolate Hair Curves",
     "Save As",
 }

@@ -147,6 +147,11 @@ def _without_faces(surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph) ->
         for one in depsgraph.object_instances
     ):
         return f"{text}, only instances: add Realize Instances at the end of its nodes"
+    if surface.type == "CURVE":
+        return (
+            f"{text}, it is a bare curve: give it a little Extrude or Bevel Depth below Geometry "
+            "in its Data properties, and points follow it at equal distances"
+        )
     return text
 
 

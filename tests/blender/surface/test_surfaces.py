@@ -137,6 +137,20 @@ def nodes_on(surface, *kinds):
     return group, made
 
 
+def test_points_follow_a_bare_curve_once_it_has_the_faces_that_the_message_asks_for():
+    bpy.ops.curve.primitive_bezier_curve_add()
+    curve = bpy.context.object
+    with pytest.raises(RuntimeError, match="it is a bare curve: give it a little Extrude"):
+        bpy.ops.dapple.add_scatter(count=20)
+    assert bpy.context.object == curve
+    curve.data.extrude = 0.001
+    assert bpy.ops.dapple.add_scatter(count=20) == {"FINISHED"}
+    found = scenes.positions(bpy.context.object)
+    found = found[np.argsort(found[:, 0])]
+    gaps = np.linalg.norm(np.diff(found, axis=0), axis=1)
+    assert gaps.std() < 0.02 * gaps.mean()
+
+
 def test_a_surface_of_instances_says_what_to_do():
     surface = scenes.sphere()
     obj = scenes.scattered(surface)
