@@ -13,7 +13,7 @@
 #include "rebalance/rebalance.hpp"
 #include "sample/outcome.hpp"
 #include "sample/subdivided_start.hpp"
-#include "surface/islands.hpp"
+#include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -181,7 +181,7 @@ int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites
     if (members.empty() || member.locked.size() > 0) continue;
     Sites own = select(sites, members);
     const Surface surface = member.domain->sampling_surface(member.count);
-    int rounds = Islands(surface).has_gaps() ? kSettling : 0;
+    int rounds = has_gaps(surface) ? kSettling : 0;
     if (rounds == 0 && is_thin_shell(*member.domain, surface, own)) rounds = 1;
     for (int round = 0; round < rounds; ++round) {
       Evened next = evened(*member.domain, own, seed, context);

@@ -1,25 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/islands.hpp"
 
-#include <atomic>
-
-#include "base/parallel.hpp"
 #include "base/sets.hpp"
 #include "surface/on_density.hpp"
 
 namespace dapple {
 namespace {
-
-bool lacks_density(const Surface& surface) {
-  const OrderedSurface& mesh = surface.ordered();
-  std::atomic<bool> found = false;
-  parallel_chunks(mesh.face_count(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end && !found; ++f)
-      if (mesh.geometry(nth_face(f)).moments.area > 0.0 && !has_density(surface, nth_face(f)))
-        found = true;
-  });
-  return found;
-}
 
 /// Whether the density is positive along a half-edge, on the side of its face.
 bool has_density_along(const OrderedSurface& mesh, std::int32_t half_edge) {
@@ -59,7 +45,7 @@ std::vector<std::int32_t> labels_of(const Surface& surface) {
 
 Islands::Islands(const Surface& surface) : surface_(&surface) {
   const OrderedSurface& mesh = surface.ordered();
-  if (!surface.uniform() && lacks_density(surface)) labels_ = labels_of(surface);
+  if (dapple::has_gaps(surface)) labels_ = labels_of(surface);
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
     const std::size_t island = at(nth_face(f));
     if (island >= capacities_.size()) capacities_.resize(island + 1, 0.0);

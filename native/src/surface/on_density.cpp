@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/on_density.hpp"
 
+#include <atomic>
+
 #include "base/parallel.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -9,11 +11,24 @@ namespace {
 
 constexpr double kInward = 1e-6;  // share of the distance to the corner with the largest density
 constexpr std::size_t kGrain = 1024;  // points
+constexpr std::size_t kFaceGrain = 4096;
 
 }  // namespace
 
 bool has_density(const Surface& surface, OrderedFace face) {
   return surface.ordered().geometry(face).moments.capacity > 0.0;
+}
+
+bool has_gaps(const Surface& surface) {
+  if (surface.uniform()) return false;
+  const OrderedSurface& mesh = surface.ordered();
+  std::atomic<bool> found = false;
+  parallel_chunks(mesh.face_count(), kFaceGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end && !found; ++f)
+      if (mesh.geometry(nth_face(f)).moments.area > 0.0 && !has_density(surface, nth_face(f)))
+        found = true;
+  });
+  return found;
 }
 
 bool is_on_density(const Surface& surface, std::int32_t face, const Vec3& weights) {

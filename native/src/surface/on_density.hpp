@@ -11,6 +11,9 @@ namespace dapple {
 /// Whether a face has an area with density.
 [[nodiscard]] bool has_density(const Surface& surface, OrderedFace face);
 
+/// Whether a surface has faces with area and without density.
+[[nodiscard]] bool has_gaps(const Surface& surface);
+
 /// Whether a sample may lie at a point of the caller's face, that is, whether the density there is
 /// above 0.
 [[nodiscard]] bool is_on_density(const Surface& surface, std::int32_t face, const Vec3& weights);

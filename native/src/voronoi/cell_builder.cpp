@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/parallel.hpp"
+#include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -45,24 +46,20 @@ Moments not_negative(Moments cell) {
 CellBuilder::CellBuilder(const Surface& surface)
     : surface_(surface), index_(sites_), workers_([this] { return Worker(*this); }) {}
 
-/// Create the projector if some faces have no density.
-void CellBuilder::find_gaps() {
-  if (full_area_ > 0.0 || surface_.uniform()) return;
-  std::vector<bool> empty(surface_.face_count());
-  bool any = false;
-  for (std::size_t f = 0; f < empty.size(); ++f) {
-    const Moments& moments = surface_.ordered().geometry(nth_face(f)).moments;
-    empty[f] = moments.area > 0.0 && !(moments.capacity > 0.0);
-    any = any || empty[f];
-    if (!empty[f]) full_area_ += moments.area;
-  }
-  if (any) empty_ = std::move(empty);
+/// Find the faces that the cells of so many sites extend over, if those are not all.
+void CellBuilder::find_support(std::size_t count) {
+  if (!has_gaps_) has_gaps_ = has_gaps(surface_);
+  if (!*has_gaps_ || (support_ && support_count_ == count)) return;
+  support_count_ = count;
+  support_ =
+      std::make_shared<const DensitySupport>(surface_, *face_edges_of(surface_.ordered()), count);
 }
 
 void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells, bool leaves_gaps,
                         Context* context, RestrictedVoronoi& result) {
   begin(cells, leaves_gaps, context, result);
-  if (graph || !is_for_march(sites.size()))
+  if (leaves_) find_support(sites.size());
+  if (graph || !is_for_march(sites))
     flood(sites, graph);
   else
     march(sites, context);
@@ -72,6 +69,7 @@ void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells,
 void CellBuilder::build_by_floods(const Sites& sites, const SiteGraph* graph, Cells cells,
                                   bool leaves_gaps, Context* context, RestrictedVoronoi& result) {
   begin(cells, leaves_gaps, context, result);
+  if (leaves_) find_support(sites.size());
   flood(sites, graph);
   if (context) context->advance(1.0);
 }
@@ -81,8 +79,6 @@ void CellBuilder::begin(Cells cells, bool leaves_gaps, Context* context,
   result_ = &result;
   connected_ = cells == Cells::kConnected;
   leaves_ = connected_ && leaves_gaps;
-  if (leaves_) find_gaps();
-  gaps_ = leaves_ && !empty_.empty();
   context_ = context;
   shares_.clear();
   divided_.clear();
@@ -101,15 +97,21 @@ void CellBuilder::flood(const Sites& sites, const SiteGraph* graph) {
 
 /// Whether there are so many faces that it takes less time to go through them than to flood each
 /// cell.
-bool CellBuilder::is_for_march(std::size_t count) const {
-  return !gaps_ && count > 0 && surface_.face_count() >= kMarch * count;
+bool CellBuilder::is_for_march(const Sites& sites) const {
+  const std::size_t count = sites.size();
+  const std::size_t faces = support() ? support()->face_count() : surface_.face_count();
+  if (count == 0 || faces < kMarch * count) return false;
+  if (!support()) return true;
+  const OrderedSurface& mesh = surface_.ordered();
+  return std::all_of(sites.faces.begin(), sites.faces.end(),
+                     [&](std::int32_t face) { return support()->has(mesh.counted_face(face)); });
 }
 
 void CellBuilder::march(const Sites& sites, Context* context) {
   if (!march_) march_ = std::make_unique<FaceMarch>(surface_, sites_, index_);
   place_sites(sites);
   if (!leaves_) share_out_alone();
-  march_->start({divided_, owners_}, context);
+  march_->start(support(), {divided_, owners_}, context);
   share_out_on(connected_ ? march_->disconnected_faces() : std::span<const OrderedFace>(), context);
   if (connected_)
     if (const std::vector<OrderedFace> faces = march_->islands(); !faces.empty())
@@ -194,7 +196,7 @@ void CellBuilder::start(const Sites& sites, const SiteGraph* graph) {
   sites_.assign(surface_, sites);
   links_.assign(sites_, graph);
   if (!graph) index_.update();
-  for (Worker& worker : workers_) worker.flood.restart(gaps_);
+  for (Worker& worker : workers_) worker.flood.restart(support());
   const std::span<const std::int32_t> order =
       graph ? std::span<const std::int32_t>() : index_.by_neighborhood();
   all_.resize(count());
@@ -337,7 +339,7 @@ void CellBuilder::integrate(Chunk& chunk, Worker& worker) {
 }
 
 bool CellBuilder::missing_area() const {
-  if (gaps_) return count() > 0;  // the area is no criterion with gaps
+  if (support()) return count() > 0;  // the area is no criterion with gaps
   const double covered =
       parallel_sum(count(), kSum, [&](std::size_t k) { return result_->cells[k].area; });
   return count() > 0 && area_to_cover_ - covered > 1e-11 * surface_.area();
@@ -353,7 +355,8 @@ bool CellBuilder::owns_nothing() const {
 void CellBuilder::share_uncovered_faces(Context* context) {
   const std::span<const Coverage> pieces = std::span(pieces_).first(piece_count_);
   std::vector<OrderedFace> uncovered = uncovered_faces(surface_, pieces);
-  if (gaps_) std::erase_if(uncovered, [this](OrderedFace face) { return empty_[as_index(face)]; });
+  if (support())
+    std::erase_if(uncovered, [this](OrderedFace face) { return !has_density(surface_, face); });
   if (uncovered.empty()) return;
   std::vector<std::int32_t> changed;
   if (connected_) {

@@ -4,6 +4,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <memory>
+#include <optional>
 
 #include "base/laps.hpp"
 #include "base/progress.hpp"
@@ -47,7 +48,7 @@ class CellBuilder {
     explicit Worker(const CellBuilder& builder)
         : flood(builder.surface_, builder.sites_, builder.index_, &builder.links_),
           integrals(builder.surface_, flood) {
-      flood.restart(builder.gaps_);
+      flood.restart(builder.support());
     }
     Worker(const Worker&) = delete;
     Worker& operator=(const Worker&) = delete;
@@ -74,14 +75,15 @@ class CellBuilder {
   };
 
   void begin(Cells cells, bool leaves_gaps, Context* context, RestrictedVoronoi& result);
-  [[nodiscard]] bool is_for_march(std::size_t count) const;
+  void find_support(std::size_t count);
+  [[nodiscard]] const DensitySupport* support() const { return leaves_ ? support_.get() : nullptr; }
+  [[nodiscard]] bool is_for_march(const Sites& sites) const;
   void march(const Sites& sites, Context* context);
   void flood(const Sites& sites, const SiteGraph* graph);
   void share_out_alone();
   void place_sites(const Sites& sites);
   [[nodiscard]] std::vector<OrderedFace> faces_without_sites() const;
   void share_out_on(std::span<const OrderedFace> faces, Context* context);
-  void find_gaps();
   void find_area_to_cover();
   void start(const Sites& sites, const SiteGraph* graph);
   [[nodiscard]] std::size_t count() const { return sites_.size(); }
@@ -121,11 +123,10 @@ class CellBuilder {
   OrderedLinks links_;
   bool whole_ = false;      // no cell can have parts that are not connected to its site
   bool connected_ = false;  // cells follow the surface
-  bool gaps_ = false;       // far faces without density belong to no cell
-  bool leaves_ = false;     // nor do parts without any site
-  std::vector<bool>
-      empty_;  // per ordered face, whether it has no density; only where some have none
-  double full_area_ = 0.0;               // of the others
+  bool leaves_ = false;     // faces far from density and parts without any site belong to no cell
+  std::optional<bool> has_gaps_;
+  std::shared_ptr<const DensitySupport> support_;  // for the last number of sites, if it has gaps
+  std::size_t support_count_ = 0;
   std::vector<double> component_areas_;  // only where there are several
   double area_to_cover_ = 0.0;
   Context* context_ = nullptr;

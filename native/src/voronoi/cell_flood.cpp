@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/triangle.hpp"
-
 namespace dapple {
 namespace {
 
@@ -16,7 +14,6 @@ constexpr std::int32_t kMostStamps = 1 << 30;
 // Rounding error of x . (x_j - x_i), relative to r |x_j - x_i|, where r is the radius of a polygon.
 constexpr double kTie = 1e-14;
 constexpr std::size_t kMostTies = 8;  // number of equally near sites that are tried
-constexpr double kOverGaps = 0.8;     // spacings from a site: gaps farther away do not matter
 
 Vec3 vector(const Triple& x) { return {x.x, x.y, x.z}; }
 
@@ -29,8 +26,8 @@ CellFlood::CellFlood(const Surface& surface, const OrderedSites& sites, const Si
       bisectors_(surface, sites, index, links),
       stamps_(surface.face_count(), 0) {}
 
-void CellFlood::restart(bool gaps) {
-  gaps_ = gaps;
+void CellFlood::restart(const DensitySupport* support) {
+  support_ = support;
   bisectors_.restart();
   if (stamp_ < kMostStamps && turn_ < kMostStamps) return;
   std::fill(stamps_.begin(), stamps_.end(), 0);
@@ -42,7 +39,7 @@ bool CellFlood::reset(std::int32_t site, Rivals rivals) {
   turn_to(site);
   bisectors_.reset(site, rivals);
   owner_ = bisectors_.owner();
-  if (gaps_) squared_gap_reach_ = std::pow(gap_reach(), 2);
+  bounded_ = support_ && support_->has(sites_->faces[as_index(site)]);
   return owner_ == site_;
 }
 
@@ -56,25 +53,6 @@ bool CellFlood::reset_far(std::int32_t site) {
 void CellFlood::turn_to(std::int32_t site) {
   site_ = owner_ = site;
   ++turn_;
-}
-
-/// The distance within which neighbors repel each other over a gap, from the spacing at the site.
-/// It is infinite for a site without density, so that any density around it is found.
-double CellFlood::gap_reach() const {
-  const OrderedSurface& mesh = surface_->ordered();
-  const Moments& own = mesh.geometry(sites_->faces[static_cast<std::size_t>(site_)]).moments;
-  if (!(own.capacity > 0.0)) return std::numeric_limits<double>::infinity();
-  return kOverGaps * surface_->spacing(sites_->size()) *
-         std::sqrt(mesh.unit_capacity() / mesh.area() * own.area / own.capacity);
-}
-
-bool CellFlood::is_far_gap(OrderedFace face) const {
-  const OrderedSurface& mesh = surface_->ordered();
-  if (mesh.geometry(face).moments.capacity > 0.0) return false;
-  const auto [a, b, c] = mesh.corners(face);
-  const Vec3 nearest = mesh.point(
-      face, closest_barycentric(position(), mesh.vertex(a), mesh.vertex(b), mesh.vertex(c)));
-  return (nearest - position()).squaredNorm() > squared_gap_reach_;
 }
 
 void CellFlood::reset_among(std::int32_t site, std::span<const std::int32_t> others) {

@@ -4,6 +4,7 @@
 #include "base/polygon.hpp"
 #include "surface/ordered_surface.hpp"
 #include "voronoi/bisectors.hpp"
+#include "voronoi/density_support.hpp"
 
 namespace dapple {
 
@@ -15,8 +16,8 @@ class CellFlood {
             const OrderedLinks* links = nullptr);
 
   /// Call after the sites have changed.
-  /// \param gaps whether floods may leave out faces without density far from their site
-  void restart(bool gaps = false);
+  /// \param support the faces that floods from a site on them do not leave; null: all
+  void restart(const DensitySupport* support = nullptr);
 
   /// Start a site. False if a coincident site of lower (caller's) index owns the cell, such as
   /// owner(), or another one that this leads to.
@@ -70,14 +71,12 @@ class CellFlood {
     std::int32_t& stamp = stamps_[as_index(face)];
     if (stamp == stamp_) return;
     stamp = stamp_;
-    if (gaps_ && is_far_gap(face)) return;
+    if (support_ && bounded_ && !support_->has(face)) return;
     pending_.push_back(face);
     surface_->ordered().prefetch(face);
   }
 
   void turn_to(std::int32_t site);
-  [[nodiscard]] double gap_reach() const;
-  [[nodiscard]] bool is_far_gap(OrderedFace face) const;
   [[nodiscard]] bool is_far(const Bisector& bisector) const {
     return !(bisector.squared_distance < 4.0 * polygon_.squared_radius());
   }
@@ -107,8 +106,8 @@ class CellFlood {
   std::vector<std::int32_t>
       own_vertices_;  // per vertex: the last turn to a site of which it is sure
   std::int32_t turn_ = 0;
-  bool gaps_ = false;                 // whether far faces without density belong to no cell out ...
-  double squared_gap_reach_ = 0.0;    // ... and how far they are
+  const DensitySupport* support_ = nullptr;
+  bool bounded_ = false;              // whether the site is on it
   bool whole_ = true;                 // whether it is the face
   std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it
   std::int32_t stamp_ = 0;

@@ -69,13 +69,15 @@ void ChunkCells::add_wholes() {
       continue;
     }
     const std::int32_t site = labels[corners[as_index(face)][0]].site;
-    if (uniform_) {
-      prefetch(&mesh_->moments[as_index(ahead)]);
-      if (site >= 0) add_uniform(cell(site), face, Triple(sites[site]));
-    } else {
-      mesh.prefetch(ahead);
+    prefetch(&mesh_->moments[as_index(ahead)]);
+    if (!uniform_ && flat_density(ahead) < 0.0) mesh.prefetch(ahead);
+    if (site < 0) continue;
+    if (uniform_)
+      add_uniform(cell(site), face, Triple(sites[site]));
+    else if (const double density = flat_density(face); density >= 0.0)
+      add_flat(cell(site), face, density, Triple(sites[site]));
+    else
       add_whole(face, site);
-    }
   }
 }
 
@@ -89,8 +91,20 @@ void ChunkCells::add_uniform(CellPart& part, OrderedFace face, const Triple& x) 
   part.sum.second += whole.second + whole.area * offset.squared_norm();
 }
 
+/// A whole face of constant density.
+void ChunkCells::add_flat(CellPart& part, OrderedFace face, double density, const Triple& x) const {
+  const FaceMoments& whole = mesh_->moments[as_index(face)];
+  const Triple offset = whole.centroid - x;
+  const double mass = density * density * whole.area;
+  part.pieces += whole.area > 0.0 ? mark_of(face) : 0;
+  part.sum.area += whole.area;
+  part.sum.capacity += density * whole.area;
+  part.sum.mass += mass;
+  part.sum.first = part.sum.first + mass * offset;
+  part.sum.second += whole.second + mass * offset.squared_norm();
+}
+
 void ChunkCells::add_whole(OrderedFace face, std::int32_t site) {
-  if (site < 0) return;
   const FaceGeometry& geometry = mesh_->surface.ordered().geometry(face);
   const Moments& whole = geometry.moments;
   if (!(whole.area > 0.0)) return;
@@ -102,8 +116,7 @@ void ChunkCells::add_whole(OrderedFace face, std::int32_t site) {
 /// Divide the faces with two labels and one cut on each of two edges; the others go to rest_.
 void ChunkCells::stage_chords() {
   const std::vector<OrderedFace>& cut = faces_->cut;
-  if (!uniform_) rest_.insert(rest_.end(), cut.begin(), cut.end());
-  for (std::size_t k = 0; uniform_ && k < cut.size(); ++k) {
+  for (std::size_t k = 0; k < cut.size(); ++k) {
     const std::size_t ahead = as_index(cut[std::min(k + kAhead, cut.size() - 1)]);
     prefetch(&mesh_->moments[ahead]);
     prefetch(&mesh_->normals[ahead]);
@@ -122,7 +135,8 @@ bool ChunkCells::stage_chord(OrderedFace face) {
                                (label[2] == label[0] ? 4U : 0U)];
   if (odd == 3) return false;
   const std::int32_t j = label[odd], i = label[odd == 2 ? 0 : odd + 1];
-  if (i < 0 || j < 0 || !mesh_->divided.of(face).empty()) return false;
+  const double density = flat_density(face);
+  if (i < 0 || j < 0 || density < 0.0 || !mesh_->divided.of(face).empty()) return false;
   const FaceEdges::OfFace& edges = mesh_->edges.of(face);
   const EdgeCuts::Link* const after = faces_->cuts.single(edges.edges[odd]);
   const EdgeCuts::Link* const before = faces_->cuts.single(edges.edges[odd == 0 ? 2 : odd - 1]);
@@ -138,6 +152,7 @@ bool ChunkCells::stage_chord(OrderedFace face) {
   s.vx[k] = v.x, s.vy[k] = v.y, s.vz[k] = v.z;
   s.dx[k] = d.x, s.dy[k] = d.y, s.dz[k] = d.z;
   s.nx[k] = n.x, s.ny[k] = n.y, s.nz[k] = n.z;
+  s.density[k] = density;
   s.face[k] = face;
   s.i[k] = i;
   s.j[k] = j;
@@ -153,6 +168,10 @@ void ChunkCells::cut_chords() {
   const Vec3* const sites = mesh_->lists.positions();
   for (std::size_t k = 0; k < count; ++k) {
     const std::int32_t i = s.i[k], j = s.j[k];
+    if (!uniform_) {
+      add_flat_chord(k);
+      continue;
+    }
     CellPart& rest = cell(i);
     add_uniform(rest, s.face[k], Triple(sites[i]));
     rest.sum.area -= s.area[k];
@@ -166,6 +185,29 @@ void ChunkCells::cut_chords() {
     add_boundary(i, j, {s.flux_x[k], s.flux_y[k], s.flux_z[k]}, s.weight[k], s.length[k],
                  s.path[k]);
   }
+}
+
+/// The same for a face of constant density, which is not 1.
+void ChunkCells::add_flat_chord(std::size_t k) {
+  const Chords& s = chords_;
+  const std::int32_t i = s.i[k], j = s.j[k];
+  const double density = s.density[k], squared = density * density;
+  CellPart& rest = cell(i);
+  add_flat(rest, s.face[k], density, position(i));
+  rest.sum.area -= s.area[k];
+  rest.sum.capacity -= density * s.area[k];
+  rest.sum.mass -= squared * s.area[k];
+  rest.sum.first = rest.sum.first - squared * Triple(s.ix[k], s.iy[k], s.iz[k]);
+  rest.sum.second -= squared * s.i2[k];
+  CellPart& part = cell(j);
+  part.pieces += mark_of(s.face[k]);
+  part.sum.area += s.area[k];
+  part.sum.capacity += density * s.area[k];
+  part.sum.mass += squared * s.area[k];
+  part.sum.first = part.sum.first + squared * Triple(s.jx[k], s.jy[k], s.jz[k]);
+  part.sum.second += squared * s.j2[k];
+  add_boundary(i, j, density * Triple(s.flux_x[k], s.flux_y[k], s.flux_z[k]), density * s.weight[k],
+               s.length[k], s.path[k]);
 }
 
 void ChunkCells::integrate_chords(std::size_t count) {
@@ -434,7 +476,8 @@ ChunkCells::FaceDensity ChunkCells::density_around(OrderedFace face, const Tripl
 
 /// A convex polygon of a cell.
 void ChunkCells::add_polygon(OrderedFace face, std::int32_t site, std::span<const Triple> points) {
-  if (uniform_) return add_uniform_polygon(face, site, points);
+  if (const double flat = flat_density(face); flat >= 0.0)
+    return add_flat_polygon(face, flat, site, points);
   const Triple n(mesh_->normals[as_index(face)]), x = position(site);
   const FaceDensity density = density_around(face, x);
   Integrals& sum = cell(site).sum;
@@ -448,8 +491,9 @@ void ChunkCells::add_polygon(OrderedFace face, std::int32_t site, std::span<cons
   }
 }
 
-void ChunkCells::add_uniform_polygon(OrderedFace face, std::int32_t site,
-                                     std::span<const Triple> points) {
+/// The same where the density is constant.
+void ChunkCells::add_flat_polygon(OrderedFace face, double density, std::int32_t site,
+                                  std::span<const Triple> points) {
   const Triple n(mesh_->normals[as_index(face)]), x = position(site), a = points[0] - x;
   Triple b = points[1] - x, first(0.0, 0.0, 0.0);
   double area = 0.0, second = 0.0;
@@ -464,8 +508,16 @@ void ChunkCells::add_uniform_polygon(OrderedFace face, std::int32_t site,
   }
   Integrals& all = cell(site).sum;
   all.area += area;
-  all.first = all.first + first;
-  all.second += second;
+  if (uniform_) {
+    all.first = all.first + first;
+    all.second += second;
+    return;
+  }
+  const double squared = density * density;
+  all.capacity += density * area;
+  all.mass += squared * area;
+  all.first = all.first + squared * first;
+  all.second += squared * second;
 }
 
 /// The segment from p to q between the cells of i and j.
@@ -479,8 +531,8 @@ void ChunkCells::add_segment(OrderedFace face, std::int32_t i, std::int32_t j, c
   s.ax[k] = along.x, s.ay[k] = along.y, s.az[k] = along.z;
   s.dx[k] = d.x, s.dy[k] = d.y, s.dz[k] = d.z;
   s.nx[k] = n.x, s.ny[k] = n.y, s.nz[k] = n.z;
-  s.fp[k] = s.fq[k] = 1.0;
-  if (!uniform_) {
+  s.fp[k] = s.fq[k] = flat_density(face);
+  if (s.fp[k] < 0.0) {
     const FaceDensity density = density_around(face, x);
     s.fp[k] = density.at(r);
     s.fq[k] = density.at(r + along);

@@ -70,6 +70,7 @@ struct LabeledMesh {
   std::span<const VertexLabel> labels;
   std::span<const FaceMoments> moments;  // per face
   std::span<const Vec3> normals;         // per face
+  std::span<const double> flat;  // per face, its density; -1 where it varies. Empty if uniform
   DividedFaces divided;
   double squared_spacing;
 };
@@ -130,6 +131,7 @@ class ChunkCells {
     Numbers cx, cy, cz, ux, uy, uz, vx, vy, vz, dx, dy, dz, nx, ny, nz;
     Numbers area, ix, iy, iz, i2, jx, jy, jz, j2;
     Numbers flux_x, flux_y, flux_z, weight, length, path;
+    Numbers density;
     std::array<OrderedFace, kStaged> face;
     std::array<std::int32_t, kStaged> i, j;
   };
@@ -150,10 +152,12 @@ class ChunkCells {
   void add_wholes();
   void add_whole(OrderedFace face, std::int32_t site);
   void add_uniform(CellPart& part, OrderedFace face, const Triple& x) const;
+  void add_flat(CellPart& part, OrderedFace face, double density, const Triple& x) const;
   void stage_chords();
   [[nodiscard]] bool stage_chord(OrderedFace face);
   void cut_chords();
   void integrate_chords(std::size_t count);
+  void add_flat_chord(std::size_t k);
   [[nodiscard]] bool divide_in_three(OrderedFace face);
   void divide(OrderedFace face);
   [[nodiscard]] bool divide_by_arcs(OrderedFace face);
@@ -166,9 +170,14 @@ class ChunkCells {
   void cut_by_rivals(std::int32_t site);
   void cut_by(std::int32_t site, std::int32_t other);
 
+  /// The density of a face; -1 if it varies there.
+  [[nodiscard]] double flat_density(OrderedFace face) const {
+    return uniform_ ? 1.0 : mesh_->flat[as_index(face)];
+  }
   [[nodiscard]] FaceDensity density_around(OrderedFace face, const Triple& origin) const;
   void add_polygon(OrderedFace face, std::int32_t site, std::span<const Triple> points);
-  void add_uniform_polygon(OrderedFace face, std::int32_t site, std::span<const Triple> points);
+  void add_flat_polygon(OrderedFace face, double density, std::int32_t site,
+                        std::span<const Triple> points);
   void add_segment(OrderedFace face, std::int32_t i, std::int32_t j, const Triple& p,
                    const Triple& q);
   void flush_segments();

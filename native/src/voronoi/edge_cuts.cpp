@@ -11,9 +11,9 @@ constexpr int kMostSteps = 1 << 16;  // rounding must not lead around forever
 
 }  // namespace
 
-void EdgeCutter::find(std::span<const FaceEdges::Ends> edges, std::span<const VertexLabel> labels,
-                      double squared_spacing, std::span<std::atomic<char>> descends,
-                      EdgeCuts& result) {
+void EdgeCutter::find(std::span<const FaceEdges::Ends> edges, std::span<const char> counts,
+                      std::span<const VertexLabel> labels, double squared_spacing,
+                      std::span<std::atomic<char>> descends, EdgeCuts& result) {
   cut_.resize(std::max(cut_.size(), edges.size() + 1));
   result.numbers_.resize(edges.size());
   result.cuts_.clear();
@@ -22,12 +22,14 @@ void EdgeCutter::find(std::span<const FaceEdges::Ends> edges, std::span<const Ve
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto [low, high] = edges[e];
     const VertexLabel a = labels[as_index(low)], b = labels[as_index(high)];
-    const bool cut = a.site != b.site && a.site >= 0 && b.site >= 0;
+    const bool here = counts.empty() || counts[e] != 0;
+    const bool cut = here && a.site != b.site && a.site >= 0 && b.site >= 0;
     result.numbers_[e] = cut ? static_cast<std::uint16_t>(count) : EdgeCuts::kNone;
     cut_[count] = static_cast<std::uint16_t>(e);
     count += cut ? 1 : 0;
     const std::size_t farther = as_index(a.squared_distance > b.squared_distance ? low : high);
-    descends[a.site == b.site ? farther : descends.size() - 1].store(1, std::memory_order_relaxed);
+    descends[here && a.site == b.site ? farther : descends.size() - 1].store(
+        1, std::memory_order_relaxed);
   }
   for (std::size_t first = 0; first < count; first += kStaged) {
     const std::span<const std::uint16_t> cut =

@@ -60,10 +60,12 @@ class EdgeCutter {
       : vertices_(vertices), lists_(&lists) {}
 
   /// Find the cuts of a chunk of edges.
+  /// \param counts  per edge whether it counts; the others have no cut. Empty: all count
   /// \param descends receives 1 per vertex that is the farther end from the site of both ends of an
   ///                 edge; other threads may write to it too. Its last entry belongs to no vertex.
-  void find(std::span<const FaceEdges::Ends> edges, std::span<const VertexLabel> labels,
-            double squared_spacing, std::span<std::atomic<char>> descends, EdgeCuts& result);
+  void find(std::span<const FaceEdges::Ends> edges, std::span<const char> counts,
+            std::span<const VertexLabel> labels, double squared_spacing,
+            std::span<std::atomic<char>> descends, EdgeCuts& result);
 
  private:
   static constexpr std::size_t kStaged = 64;

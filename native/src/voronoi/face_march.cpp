@@ -30,8 +30,8 @@ FaceMarch::FaceMarch(const Surface& surface, const OrderedSites& sites, const Si
       lists_(surface, sites, index),
       edges_(face_edges_of(surface.ordered())),
       labels_(edges_->vertex_count()),
-      mesh_{surface, sites, lists_, *edges_, surface.ordered().vertices(),
-            labels_, {},    {},     {},      0.0},
+      mesh_{surface, sites, lists_, *edges_, surface.ordered().vertices(), labels_, {},
+            {},      {},    {},     0.0},
       faces_(edges_->chunks()),
       parts_(edges_->chunks()),
       cutters_([this] { return EdgeCutter(mesh_.vertices, lists_); }),
@@ -52,6 +52,7 @@ void FaceMarch::gather_faces() {
                       moments_[f] = {face.moments.area, face.moments.second, Triple(face.centroid)};
                     }
                   });
+  gather_flat_densities();
   mesh_.moments = moments_;
   mesh_.normals = normals_;
   if (edges_->copied().empty()) return;
@@ -60,7 +61,23 @@ void FaceMarch::gather_faces() {
   mesh_.vertices = vertices_;
 }
 
-void FaceMarch::start(DividedFaces divided, Context* context) {
+void FaceMarch::gather_flat_densities() {
+  const OrderedSurface& mesh = surface_->ordered();
+  if (surface_->uniform()) return;
+  flat_.resize(surface_->face_count());
+  parallel_chunks(flat_.size(), FaceEdges::kFaces, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const Vec3 values = mesh.densities(nth_face(f));
+      const bool flat = values[0] == values[1] && values[1] == values[2];
+      flat_[f] = flat ? mesh.density_unit() * values[0] : -1.0;
+    }
+  });
+  mesh_.flat = flat_;
+}
+
+void FaceMarch::start(const DensitySupport* support, DividedFaces divided, Context* context) {
+  support_ = support;
+  find_sites_of_parts();
   mesh_.divided = divided;
   stale_.assign(faces_.size(), waits_ ? 1 : 0);
   mesh_.squared_spacing = std::pow(surface_->spacing(sites_->size()), 2);
@@ -73,8 +90,9 @@ void FaceMarch::start(DividedFaces divided, Context* context) {
   Tally tally(cutting.context(), faces_.size());
   parallel_chunks(faces_.size(), 1, [&](std::size_t chunk, std::size_t) {
     tally.check();
-    cutters_.local().find(edges_->edges(chunk), labels_, mesh_.squared_spacing, descends_,
-                          faces_[chunk].cuts);
+    cutters_.local().find(edges_->edges(chunk),
+                          support_ ? support_->edges(chunk) : std::span<const char>(), labels_,
+                          mesh_.squared_spacing, descends_, faces_[chunk].cuts);
     sort_faces(chunk);
     if (waits_) {
       find_doubts(faces_[chunk], faces_[chunk].cut);
@@ -87,14 +105,29 @@ void FaceMarch::start(DividedFaces divided, Context* context) {
   });
 }
 
+void FaceMarch::find_sites_of_parts() {
+  if (!support_) return;
+  site_on_part_.assign(support_->part_count(), -1);
+  for (std::size_t k = 0; k < sites_->size(); ++k) {
+    const std::int32_t corner = edges_->corners()[as_index(sites_->faces[k])][0];
+    site_on_part_[as_index(support_->part(corner))] = static_cast<std::int32_t>(k);
+  }
+}
+
+/// A site that competes for a vertex; -1 if there is none.
+std::int32_t FaceMarch::site_around(std::int32_t vertex) const {
+  const std::int32_t face = edges_->face_at(vertex);
+  if (face < 0) return -1;
+  if (!support_) return lists_.site_on(surface_->ordered().component(OrderedFace{face}));
+  const std::int32_t part = support_->part(vertex);
+  return part < 0 ? -1 : site_on_part_[as_index(part)];
+}
+
 /// Each search begins with the label of a vertex beside it, or with the vertex's last one.
 void FaceMarch::label(std::size_t begin, std::size_t end) {
   for (std::size_t v = begin; v < end; ++v) {
     const auto vertex = static_cast<std::int32_t>(v);
-    const std::int32_t face = edges_->face_at(vertex);
-    if (face < 0) continue;
-    const OrderedSurface& mesh = surface_->ordered();
-    const std::int32_t some = lists_.site_on(mesh.component(OrderedFace{face}));
+    const std::int32_t some = site_around(vertex);
     VertexLabel& label = labels_[v];
     if (some < 0) {
       label = {};
@@ -131,7 +164,7 @@ void FaceMarch::sort_faces(std::size_t chunk) {
   cut.resize(end - begin);
   std::size_t wholes = 0, cuts = 0;
   for (std::size_t f = begin; f < end; ++f) {
-    if (!all_count && !mesh.counts(nth_face(f))) continue;
+    if ((!all_count && !mesh.counts(nth_face(f))) || !has(nth_face(f))) continue;
     const Face& corners = edges_->corners()[f];
     const std::int32_t site = labels_[as_index(corners[0])].site;
     const bool one =
@@ -165,7 +198,7 @@ void FaceMarch::find_doubts(ChunkFaces& faces, std::span<const OrderedFace> amon
 bool FaceMarch::has_vertex_beyond(OrderedFace face, std::size_t edge, std::int32_t site) const {
   const OrderedSurface& mesh = surface_->ordered();
   const std::int32_t h = half_edge(face, static_cast<std::int32_t>(edge)), g = mesh.next_around(h);
-  if (g == h || mesh.next_around(g) != h) return false;
+  if (g == h || mesh.next_around(g) != h || !has(face_of(g))) return false;
   return labels_[as_index(edges_->corners()[as_index(face_of(g))][as_index((g % 3 + 2) % 3)])]
              .site == site;
 }
@@ -201,8 +234,11 @@ void FaceMarch::find_doubtful_sites() {
   reset(doubtful_, sites_->size());
   for (const ChunkFaces& chunk : faces_)
     for (const std::int32_t site : chunk.doubts) doubtful_[as_index(site)] = 1;
-  for (const std::int32_t v : edges_->pinched())
+  const auto doubt_around = [this](std::int32_t v) {
     if (labels_[as_index(v)].site >= 0) doubtful_[as_index(labels_[as_index(v)].site)] = 1;
+  };
+  std::for_each(edges_->pinched().begin(), edges_->pinched().end(), doubt_around);
+  if (support_) std::for_each(support_->pinched().begin(), support_->pinched().end(), doubt_around);
   find_roots();
   doubts_.clear();
   for (std::size_t k = 0; k < doubtful_.size(); ++k)
@@ -224,7 +260,7 @@ void FaceMarch::find_roots() {
 
 template <typename Visit>
 void FaceMarch::for_each_site_on(OrderedFace face, const Visit& visit) const {
-  if (surface_->ordered().counts(face))
+  if (surface_->ordered().counts(face) && has(face))
     for_each_on_border(mesh_, faces_[as_index(face) / FaceEdges::kFaces].cuts, face, visit);
 }
 
@@ -325,7 +361,7 @@ bool FaceMarch::follow(Follower& follower, std::int32_t site) const {
   const std::uint64_t pieces = pieces_[as_index(site)];
   std::uint64_t marks = 0;
   const auto push = [&](OrderedFace face) {
-    if (follower.stamps[as_index(face)] == stamp) return;
+    if (follower.stamps[as_index(face)] == stamp || !has(face)) return;
     follower.stamps[as_index(face)] = stamp;
     faces.push_back(face);
     if (has_area(face)) marks += mark_of(face);

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "voronoi/chunk_cells.hpp"
+#include "voronoi/density_support.hpp"
 #include "voronoi/shared_faces.hpp"
 
 namespace dapple {
@@ -26,8 +27,10 @@ class FaceMarch {
   [[nodiscard]] const NearLists& lists() const { return lists_; }
 
   /// Find where cells pass from one to the next.
+  /// \param support the faces that belong to cells, and hold all sites; null: all faces. Must
+  ///                outlive this, or the next start()
   /// \param divided faces that are divided among given sites; must outlive this, or divide()
-  void start(DividedFaces divided, Context* context);
+  void start(const DensitySupport* support, DividedFaces divided, Context* context);
 
   /// The faces with a piece that is not connected to its site; sorted.
   [[nodiscard]] std::span<const OrderedFace> disconnected_faces();
@@ -58,6 +61,10 @@ class FaceMarch {
   };
 
   void gather_faces();
+  void gather_flat_densities();
+  void find_sites_of_parts();
+  [[nodiscard]] std::int32_t site_around(std::int32_t vertex) const;
+  [[nodiscard]] bool has(OrderedFace face) const { return !support_ || support_->has(face); }
   void label(std::size_t begin, std::size_t end);
   [[nodiscard]] std::int32_t first_guess(std::int32_t vertex, std::int32_t some) const;
   void sort_faces(std::size_t chunk);
@@ -91,9 +98,12 @@ class FaceMarch {
 
   const Surface* surface_;
   const OrderedSites* sites_;
+  const DensitySupport* support_ = nullptr;
+  std::vector<std::int32_t> site_on_part_;  // of the support; -1: none
   NearLists lists_;
   std::shared_ptr<const FaceEdges> edges_;
   std::vector<FaceMoments> moments_;  // see LabeledMesh
+  std::vector<double> flat_;
   std::vector<Vec3> normals_;
   std::vector<Vec3> vertices_;  // with copies, if there are any
   std::vector<VertexLabel> labels_;

@@ -88,8 +88,8 @@ struct MeanEvenness {
   }
 };
 
-/// The result is as even as new samples.
-void expect_as_even(std::span<const Samples> runs, const Surface& surface) {
+/// The result is as even as new samples, or as those that were given: steps end there.
+void expect_as_even(std::span<const Samples> runs, const Surface& surface, double given = 0.0) {
   constexpr std::size_t kRuns = 3;
   MeanEvenness fresh, after;
   SampleOptions options;
@@ -102,12 +102,12 @@ void expect_as_even(std::span<const Samples> runs, const Surface& surface) {
   std::cout << runs[0].size() << " samples: capacity variation " << after.variation << ", fresh "
             << fresh.variation << ", alpha min " << after.alpha << ", fresh " << fresh.alpha << ", "
             << runs[0].report.evaluations << " evaluations\n";
-  EXPECT_LE(after.variation, 1.5 * fresh.variation);
+  EXPECT_LE(after.variation, 1.5 * std::max(fresh.variation, given));
   EXPECT_GE(after.alpha, 0.9 * fresh.alpha);
 }
 
-void expect_as_even(const Samples& after, const Surface& surface) {
-  expect_as_even({&after, 1}, surface);
+void expect_as_even(const Samples& after, const Surface& surface, double given = 0.0) {
+  expect_as_even({&after, 1}, surface, given);
 }
 
 /// The largest slide of the samples that stayed, in local spacings.
@@ -133,7 +133,7 @@ TEST(Resample, RemovesSamplesInProportionToTheDensity) {
   for (const std::size_t count : {1350u, 1650u, 750u, 3000u}) {
     const Samples after = resample(surface, before, count);
     EXPECT_NEAR(dense_share(after), dense_share(before), 0.01) << count;
-    expect_as_even(after, surface);
+    expect_as_even(after, surface, before.report.evenness.capacity_variation);
   }
 }
 

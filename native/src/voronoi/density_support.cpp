@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voronoi/density_support.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <queue>
+
+#include "base/hexagonal.hpp"
+#include "base/parallel.hpp"
+#include "base/sets.hpp"
+
+namespace dapple {
+namespace {
+
+// Spacings from density up to which faces count: sites on both sides of a gap twice as wide do not
+// repel each other.
+constexpr double kReach = 0.4;
+// The largest of these spacings, relative to the mean: where density fades out it has no limit.
+constexpr double kLargest = 2.0;
+
+/// The faces without density by vertex, in rows.
+class FacesByVertex {
+ public:
+  FacesByVertex(const FaceEdges& edges, std::span<const char> dense)
+      : first_(edges.vertex_count() + 1, 0) {
+    const auto for_each_corner = [&](const auto& visit) {
+      for (std::size_t f = 0; f < dense.size(); ++f)
+        if (dense[f] == 0)
+          for (const std::int32_t v : edges.corners()[f]) visit(f, as_index(v));
+    };
+    for_each_corner([&](std::size_t, std::size_t v) { ++first_[v + 1]; });
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    faces_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for_each_corner([&](std::size_t f, std::size_t v) { faces_[next[v]++] = nth_face(f); });
+  }
+
+  [[nodiscard]] std::span<const OrderedFace> at(std::int32_t vertex) const {
+    const auto v = as_index(vertex);
+    return std::span(faces_).subspan(first_[v], first_[v + 1] - first_[v]);
+  }
+
+ private:
+  std::vector<std::size_t> first_;
+  std::vector<OrderedFace> faces_;
+};
+
+/// Spreads from density over faces without, along edges, as far as given at each vertex (Dijkstra).
+class Spread {
+ public:
+  Spread(const FaceEdges& edges, std::span<const Vec3> vertices, std::span<const char> dense)
+      : edges_(edges),
+        vertices_(vertices),
+        gaps_(edges, dense),
+        left_(edges.vertex_count(), -1.0) {}
+
+  [[nodiscard]] bool is_beside_gap(std::int32_t vertex) const { return !gaps_.at(vertex).empty(); }
+
+  void reach(std::int32_t vertex, double left) {
+    if (left < 0.0 || !(left > left_[as_index(vertex)])) return;
+    left_[as_index(vertex)] = left;
+    queue_.emplace(left, vertex);
+  }
+
+  template <typename Visit>
+  void run(const Visit& visit) {
+    while (!queue_.empty()) {
+      const auto [left, v] = queue_.top();
+      queue_.pop();
+      if (left < left_[as_index(v)]) continue;
+      for (const OrderedFace face : gaps_.at(v)) {
+        visit(face);
+        for (const std::int32_t u : edges_.corners()[as_index(face)])
+          if (u != v) reach(u, left - (position(u) - position(v)).norm());
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] const Vec3& position(std::int32_t vertex) const {
+    const std::size_t v = as_index(vertex);
+    return vertices_[v < vertices_.size() ? v : as_index(edges_.copied()[v - vertices_.size()])];
+  }
+
+  const FaceEdges& edges_;
+  std::span<const Vec3> vertices_;
+  FacesByVertex gaps_;
+  std::vector<double> left_;  // per vertex; below 0: not reached
+  std::priority_queue<std::pair<double, std::int32_t>> queue_;
+};
+
+}  // namespace
+
+DensitySupport::DensitySupport(const Surface& surface, const FaceEdges& edges, std::size_t count)
+    : faces_(surface.face_count(), 0) {
+  add_faces_near_density(surface, edges, count);
+  face_count_ = static_cast<std::size_t>(std::count(faces_.begin(), faces_.end(), 1));
+  number_parts(edges);
+  find_edges(edges);
+  find_pinched(surface.ordered(), edges);
+}
+
+void DensitySupport::add_faces_near_density(const Surface& surface, const FaceEdges& edges,
+                                            std::size_t count) {
+  const OrderedSurface& mesh = surface.ordered();
+  double area = 0.0, capacity = 0.0;
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    const Moments& own = mesh.geometry(nth_face(f)).moments;
+    if (!(own.capacity > 0.0)) continue;
+    faces_[f] = 1;
+    area += own.area;
+    capacity += own.capacity;
+  }
+  const double each = 1.0 / static_cast<double>(std::max<std::size_t>(count, 1));
+  const double largest = kLargest * hexagonal_spacing(each * area);
+  Spread spread(edges, mesh.vertices(), faces_);
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    if (faces_[f] == 0) continue;
+    const Moments& own = mesh.geometry(nth_face(f)).moments;
+    for (const std::int32_t v : edges.corners()[f])
+      if (spread.is_beside_gap(v)) {
+        const double spacing = hexagonal_spacing(each * capacity * own.area / own.capacity);
+        spread.reach(v, kReach * std::min(spacing, largest));
+      }
+  }
+  spread.run([&](OrderedFace face) { faces_[as_index(face)] = 1; });
+}
+
+void DensitySupport::number_parts(const FaceEdges& edges) {
+  Sets sets(edges.vertex_count());
+  parts_.assign(edges.vertex_count(), -1);
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    if (faces_[f] == 0) continue;
+    const auto [a, b, c] = edges.corners()[f];
+    sets.join(a, b);
+    sets.join(b, c);
+    for (const std::int32_t v : {a, b, c}) parts_[as_index(v)] = 0;
+  }
+  // The lowest vertex of a part comes before its others.
+  for (std::size_t v = 0; v < parts_.size(); ++v) {
+    if (parts_[v] < 0) continue;
+    const auto vertex = static_cast<std::int32_t>(v), lowest = sets.find(vertex);
+    parts_[v] =
+        lowest == vertex ? static_cast<std::int32_t>(part_count_++) : parts_[as_index(lowest)];
+  }
+}
+
+void DensitySupport::find_edges(const FaceEdges& edges) {
+  first_edge_.assign(1, 0);
+  for (std::size_t c = 0; c < edges.chunks(); ++c)
+    first_edge_.push_back(first_edge_.back() + edges.edges(c).size());
+  edges_.assign(first_edge_.back(), 0);
+  parallel_chunks(faces_.size(), FaceEdges::kFaces, [&](std::size_t begin, std::size_t end) {
+    const std::size_t first = first_edge_[begin / FaceEdges::kFaces];
+    for (std::size_t f = begin; f < end; ++f)
+      if (faces_[f] != 0)
+        for (const std::uint16_t edge : edges.of(nth_face(f)).edges) edges_[first + edge] = 1;
+  });
+}
+
+void DensitySupport::find_pinched(const OrderedSurface& mesh, const FaceEdges& edges) {
+  const auto ends_here = [&](std::int32_t h) {
+    for (std::int32_t g = mesh.next_around(h); g != h; g = mesh.next_around(g))
+      if (has(face_of(g))) return false;
+    return true;
+  };
+  std::vector<char> fans(edges.vertex_count(), 0);  // those that end at an edge; two are enough
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    if (faces_[f] == 0) continue;
+    for (std::int32_t k = 0; k < 3; ++k) {
+      if (!ends_here(half_edge(nth_face(f), (k + 2) % 3))) continue;
+      const std::int32_t v = edges.corners()[f][static_cast<std::size_t>(k)];
+      if (++fans[as_index(v)] == 2) pinched_.push_back(v);
+      fans[as_index(v)] = std::min<char>(fans[as_index(v)], 2);
+    }
+  }
+}
+
+}  // namespace dapple
