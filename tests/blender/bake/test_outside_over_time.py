@@ -175,6 +175,26 @@ def test_frames_that_are_solved_together_see_all_frames(smoothing):
     assert [hidden for _, hidden in each_frame(obj, balls)] == [0] * FRAMES
 
 
+@pytest.mark.parametrize("population", ["KEEP_COUNT", "KEEP_DENSITY"])
+@pytest.mark.parametrize("over_time", ["ALL_FRAMES", "EACH_FRAME"])
+def test_no_point_is_hidden_where_faces_change(over_time, population):
+    obj, balls = scattered(over_time, population=population, new_topology="REATTACH")
+    finer = balls[0].modifiers.new("Finer", "SUBSURF")
+    finer.subdivision_type = "SIMPLE"
+    for frame, levels in ((1, 0), (4, 1)):
+        finer.levels = finer.render_levels = levels
+        for name in ("levels", "render_levels"):
+            finer.keyframe_insert(name, frame=frame)
+    for curve in scenes.curves(balls[0]):
+        for key in curve.keyframe_points:
+            key.interpolation = "CONSTANT"
+    bpy.context.scene.frame_set(1)
+    obj.dapple.attach_to, obj.dapple.fade_duration = "FACES", 1
+    bake(obj)
+    assert len(obj.dapple.surface_topology.split()) == 2
+    assert [hidden for _, hidden in each_frame(obj, balls)] == [0] * FRAMES
+
+
 @pytest.mark.parametrize(("name", "value"), [("masks", "FIRST_FRAME"), ("smoothing", "BOTH_WAYS")])
 def test_it_is_said_where_each_frame_has_no_effect(name, value):
     obj, _ = scattered("EACH_FRAME", **{name: value})
