@@ -7,7 +7,6 @@
 
 #include "base/hexagonal.hpp"
 #include "base/parallel.hpp"
-#include "base/sets.hpp"
 
 namespace dapple {
 namespace {
@@ -18,15 +17,54 @@ constexpr double kReach = 0.4;
 // The largest of these spacings, relative to the mean: where density fades out it has no limit.
 constexpr double kLargest = 2.0;
 
+/// Where the vertices of FaceEdges are.
+class Places {
+ public:
+  Places(const OrderedSurface& mesh, const FaceEdges& edges)
+      : vertices_(mesh.vertices()), copied_(edges.copied()) {}
+  [[nodiscard]] const Vec3& operator[](std::int32_t vertex) const {
+    const std::size_t v = as_index(vertex);
+    return vertices_[v < vertices_.size() ? v : as_index(copied_[v - vertices_.size()])];
+  }
+
+ private:
+  std::span<const Vec3> vertices_;
+  std::span<const std::int32_t> copied_;
+};
+
+/// The vertices that are one where edges are connected: at a welded seam each is several.
+Sets joined_vertices(const OrderedSurface& mesh, const FaceEdges& edges) {
+  const Places at(mesh, edges);
+  Sets joined(edges.vertex_count());
+  const auto ends = [&](std::int32_t h) {
+    const Face& corners = edges.corners()[as_index(face_of(h))];
+    return FaceEdges::Ends{corners[as_index(h % 3)], corners[as_index((h + 1) % 3)]};
+  };
+  const auto join = [&](const FaceEdges::Ends& one, const FaceEdges::Ends& other) {
+    const auto [a, b] = one;
+    const auto [c, d] = other;
+    if ((a == d && b == c) || (a == c && b == d)) return;
+    const bool opposite = (at[a] - at[d]).squaredNorm() + (at[b] - at[c]).squaredNorm() <=
+                          (at[a] - at[c]).squaredNorm() + (at[b] - at[d]).squaredNorm();
+    joined.join(a, opposite ? d : c);
+    joined.join(b, opposite ? c : d);
+  };
+  const auto count = static_cast<std::int32_t>(3 * mesh.face_count());
+  for (std::int32_t h = 0; h < count; ++h)
+    for (std::int32_t g = mesh.next_around(h); g != h; g = mesh.next_around(g))
+      if (g > h) join(ends(h), ends(g));
+  return joined;
+}
+
 /// The faces without density by vertex, in rows.
 class FacesByVertex {
  public:
-  FacesByVertex(const FaceEdges& edges, std::span<const char> dense)
+  FacesByVertex(const FaceEdges& edges, Sets& joined, std::span<const char> dense)
       : first_(edges.vertex_count() + 1, 0) {
     const auto for_each_corner = [&](const auto& visit) {
       for (std::size_t f = 0; f < dense.size(); ++f)
         if (dense[f] == 0)
-          for (const std::int32_t v : edges.corners()[f]) visit(f, as_index(v));
+          for (const std::int32_t v : edges.corners()[f]) visit(f, as_index(joined.find(v)));
     };
     for_each_corner([&](std::size_t, std::size_t v) { ++first_[v + 1]; });
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
@@ -48,15 +86,20 @@ class FacesByVertex {
 /// Spreads from density over faces without, along edges, as far as given at each vertex (Dijkstra).
 class Spread {
  public:
-  Spread(const FaceEdges& edges, std::span<const Vec3> vertices, std::span<const char> dense)
+  Spread(const OrderedSurface& mesh, const FaceEdges& edges, Sets& joined,
+         std::span<const char> dense)
       : edges_(edges),
-        vertices_(vertices),
-        gaps_(edges, dense),
+        joined_(joined),
+        at_(mesh, edges),
+        gaps_(edges, joined, dense),
         left_(edges.vertex_count(), -1.0) {}
 
-  [[nodiscard]] bool is_beside_gap(std::int32_t vertex) const { return !gaps_.at(vertex).empty(); }
+  [[nodiscard]] bool is_beside_gap(std::int32_t vertex) const {
+    return !gaps_.at(joined_.find(vertex)).empty();
+  }
 
-  void reach(std::int32_t vertex, double left) {
+  void reach(std::int32_t corner, double left) {
+    const std::int32_t vertex = joined_.find(corner);
     if (left < 0.0 || !(left > left_[as_index(vertex)])) return;
     left_[as_index(vertex)] = left;
     queue_.emplace(left, vertex);
@@ -71,19 +114,15 @@ class Spread {
       for (const OrderedFace face : gaps_.at(v)) {
         visit(face);
         for (const std::int32_t u : edges_.corners()[as_index(face)])
-          if (u != v) reach(u, left - (position(u) - position(v)).norm());
+          reach(u, left - (at_[u] - at_[v]).norm());
       }
     }
   }
 
  private:
-  [[nodiscard]] const Vec3& position(std::int32_t vertex) const {
-    const std::size_t v = as_index(vertex);
-    return vertices_[v < vertices_.size() ? v : as_index(edges_.copied()[v - vertices_.size()])];
-  }
-
   const FaceEdges& edges_;
-  std::span<const Vec3> vertices_;
+  Sets& joined_;
+  Places at_;
   FacesByVertex gaps_;
   std::vector<double> left_;  // per vertex; below 0: not reached
   std::priority_queue<std::pair<double, std::int32_t>> queue_;
@@ -93,15 +132,16 @@ class Spread {
 
 DensitySupport::DensitySupport(const Surface& surface, const FaceEdges& edges, std::size_t count)
     : faces_(surface.face_count(), 0) {
-  add_faces_near_density(surface, edges, count);
+  Sets joined = joined_vertices(surface.ordered(), edges);
+  add_faces_near_density(surface, edges, joined, count);
   face_count_ = static_cast<std::size_t>(std::count(faces_.begin(), faces_.end(), 1));
-  number_parts(edges);
+  number_parts(edges, std::move(joined));
   find_edges(edges);
   find_pinched(surface.ordered(), edges);
 }
 
 void DensitySupport::add_faces_near_density(const Surface& surface, const FaceEdges& edges,
-                                            std::size_t count) {
+                                            Sets& joined, std::size_t count) {
   const OrderedSurface& mesh = surface.ordered();
   double area = 0.0, capacity = 0.0;
   for (std::size_t f = 0; f < faces_.size(); ++f) {
@@ -113,7 +153,7 @@ void DensitySupport::add_faces_near_density(const Surface& surface, const FaceEd
   }
   const double each = 1.0 / static_cast<double>(std::max<std::size_t>(count, 1));
   const double largest = kLargest * hexagonal_spacing(each * area);
-  Spread spread(edges, mesh.vertices(), faces_);
+  Spread spread(mesh, edges, joined, faces_);
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     if (faces_[f] == 0) continue;
     const Moments& own = mesh.geometry(nth_face(f)).moments;
@@ -126,8 +166,7 @@ void DensitySupport::add_faces_near_density(const Surface& surface, const FaceEd
   spread.run([&](OrderedFace face) { faces_[as_index(face)] = 1; });
 }
 
-void DensitySupport::number_parts(const FaceEdges& edges) {
-  Sets sets(edges.vertex_count());
+void DensitySupport::number_parts(const FaceEdges& edges, Sets sets) {
   parts_.assign(edges.vertex_count(), -1);
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     if (faces_[f] == 0) continue;
@@ -136,12 +175,12 @@ void DensitySupport::number_parts(const FaceEdges& edges) {
     sets.join(b, c);
     for (const std::int32_t v : {a, b, c}) parts_[as_index(v)] = 0;
   }
-  // The lowest vertex of a part comes before its others.
+  std::vector<std::int32_t> numbers(parts_.size(), -1);  // by the lowest vertex
   for (std::size_t v = 0; v < parts_.size(); ++v) {
     if (parts_[v] < 0) continue;
-    const auto vertex = static_cast<std::int32_t>(v), lowest = sets.find(vertex);
-    parts_[v] =
-        lowest == vertex ? static_cast<std::int32_t>(part_count_++) : parts_[as_index(lowest)];
+    std::int32_t& number = numbers[as_index(sets.find(static_cast<std::int32_t>(v)))];
+    if (number < 0) number = static_cast<std::int32_t>(part_count_++);
+    parts_[v] = number;
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "base/sets.hpp"
 #include "surface/face_edges.hpp"
 
 namespace dapple {
@@ -35,8 +36,9 @@ class DensitySupport {
   [[nodiscard]] std::span<const std::int32_t> pinched() const { return pinched_; }
 
  private:
-  void add_faces_near_density(const Surface& surface, const FaceEdges& edges, std::size_t count);
-  void number_parts(const FaceEdges& edges);
+  void add_faces_near_density(const Surface& surface, const FaceEdges& edges, Sets& joined,
+                              std::size_t count);
+  void number_parts(const FaceEdges& edges, Sets sets);
   void find_edges(const FaceEdges& edges);
   void find_pinched(const OrderedSurface& mesh, const FaceEdges& edges);
 

@@ -108,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(Densities, MarchOnBlobs,
                          testing::Values(DensityAt::kFaces, DensityAt::kVertices));
 
 TEST_P(MarchOnBlobs, GivesTheCellsOfFloods) {
-  for (const Shape& shape : {grid(60), torus(90, 45), icosphere(5)}) {
+  for (const Shape& shape : {grid(60), torus(90, 45), icosphere(5), soup(torus(90, 45))}) {
     const Surface surface = in_blobs(shape.surface(), GetParam());
     const Sites sites = poisson_start(surface, surface.face_count() / 20, 5);
     CellBuilder builder(surface);
