@@ -149,8 +149,8 @@ def test_discs_stay_apart_on_a_body_that_bends():
         assert tracker.advance(bent).report.worst_overlap <= 0.01
 
 
-@pytest.mark.parametrize("count", [200, 400, 600])
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("count", [200, 400, 600, 800])
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_samples_keep_apart_while_the_density_moves(count, seed):
     """A window wanders over a square, by up to half a spacing a frame."""
     surface = dapple.Surface(*grid(60))

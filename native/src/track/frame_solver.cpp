@@ -26,7 +26,8 @@ namespace {
 constexpr double kThin = 0.05;  // of the largest density: lower values have no defined spacing
 constexpr double kMovingVariation = 0.02,
                  kMovingAlpha = 0.5;  // sufficient evenness if the density moves
-constexpr int kRounds = 3;            // of the search while discs overlap, or sites are too near
+constexpr int kRounds = 3;            // of the search while discs overlap
+constexpr int kMoveRounds = 6;        // of moving sites apart
 constexpr double kHarder = 10.0;  // factor by which the weight of discs that still overlap grows
 constexpr double kRoomy = 1.7,
                  kCrowded = 0.4;  // of the mean capacity: space for one more, or one too many
@@ -228,16 +229,17 @@ void end_moving(const Frame& frame, const Surface& surface, OptimizerOptions opt
   const std::optional<Surface>& mine = frame.classes[0].surface;
   const Domain& domain = *frame.problem.classes[0].domain;
   options.max_evaluations = 1;
-  for (int round = 0; round < kRounds && alpha_min(found) < kMovingAlpha; ++round) {
-    Sites sites = found.state.sites;
+  Sites sites = found.state.sites;
+  // A round may bring others together, which the next one separates.
+  for (int round = 0; round < kMoveRounds && alpha_min(found) < kMovingAlpha; ++round) {
     move_apart(domain, least_distances(mine ? *mine : surface, domain, sites), sites, context);
     Sites home = first.home ? *first.home : first.start;
     put(home, first.displaced, select(sites, first.displaced));
     Minimum apart =
         minimize(frame.objective, sites, options, nullptr, {.home = &home, .restoration = &aim});
     found.evaluations += apart.evaluations;
-    if (!(alpha_min(apart) > alpha_min(found))) return;
-    found.state = std::move(apart.state);
+    sites = apart.state.sites;
+    if (alpha_min(apart) > alpha_min(found)) found.state = std::move(apart.state);
   }
 }
 
