@@ -21,7 +21,7 @@ from .edges import bound_on_edges, counts_on_edges, dealt, sampled_on_edges
 from .figures import Details, details_of
 from .locked import Locked, kept_ids, rows_of
 from .small_parts import small_parts
-from .symmetric import paired_ranks, sampled_in_pairs
+from .symmetric import paired_ranks, sampled_in_pairs, with_exact_images
 
 _AT_BORDER = 0.5  # length of the direction away from neighbors at a straight border
 
@@ -97,7 +97,10 @@ def scatter(
     with named(arrays.name):
         masked = masked or masked_surface_of(arrays, settings)
         fine, mirror = _sampled(masked, arrays, settings, context, locked)
-        samples = masked.to_original(fine)
+        if mirror is None:
+            samples = masked.to_original(fine)
+        else:
+            samples = with_exact_images(masked, fine, mirror, arrays, settings.symmetry)
         ranks = package().progressive_ranks(fine.positions, fine.classes)
     ids = samples.ids if locked is None else kept_ids(locked, samples.classes)
     columns = point_columns(ids, samples.classes, settings.seed)
@@ -114,7 +117,7 @@ def scatter(
     columns["dapple_apart"] = apart(fine.positions, binding, arrays)
     positions = np.asarray(samples.positions)
     report = replace(
-        report_of(samples.report).of_ids(ids), doubled_faces=masked.original.doubled_faces
+        report_of(fine.report).of_ids(ids), doubled_faces=masked.original.doubled_faces
     )
     if report.whole_count_variation > 0.0:  # there are several parts
         report = replace(report, small_parts=len(small_parts(masked, len(ids))))

@@ -38,7 +38,7 @@ def mirrored(obj):
     return rows
 
 
-@pytest.mark.parametrize("count", [400, 401])
+@pytest.mark.parametrize("count", [399, 400, 401, 403])
 def test_points_on_suzanne_are_mirror_images(count):
     obj = paired(monkey(), count)
     found, rows = scenes.positions(obj), mirrored(obj)
