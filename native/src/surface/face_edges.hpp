@@ -31,6 +31,8 @@ class FaceEdges {
   [[nodiscard]] std::span<const Ends> edges(std::size_t chunk) const {
     return std::span(ends_).subspan(first_[chunk], first_[chunk + 1] - first_[chunk]);
   }
+  /// The number of edges in the chunks before one, or in all of them.
+  [[nodiscard]] std::size_t first_edge(std::size_t chunk) const { return first_[chunk]; }
   [[nodiscard]] const OfFace& of(OrderedFace face) const { return faces_[as_index(face)]; }
 
   /// The corners of the faces. Vertices are those of the surface, and behind them copies of those

@@ -57,8 +57,7 @@ void CellBuilder::find_support(std::size_t count) {
 
 void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells, bool leaves_gaps,
                         Context* context, RestrictedVoronoi& result) {
-  begin(cells, leaves_gaps, context, result);
-  if (leaves_) find_support(sites.size());
+  begin(sites.size(), cells, leaves_gaps, context, result);
   if (graph || !is_for_march(sites))
     flood(sites, graph);
   else
@@ -68,17 +67,17 @@ void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells,
 
 void CellBuilder::build_by_floods(const Sites& sites, const SiteGraph* graph, Cells cells,
                                   bool leaves_gaps, Context* context, RestrictedVoronoi& result) {
-  begin(cells, leaves_gaps, context, result);
-  if (leaves_) find_support(sites.size());
+  begin(sites.size(), cells, leaves_gaps, context, result);
   flood(sites, graph);
   if (context) context->advance(1.0);
 }
 
-void CellBuilder::begin(Cells cells, bool leaves_gaps, Context* context,
+void CellBuilder::begin(std::size_t count, Cells cells, bool leaves_gaps, Context* context,
                         RestrictedVoronoi& result) {
   result_ = &result;
   connected_ = cells == Cells::kConnected;
   leaves_ = connected_ && leaves_gaps;
+  if (leaves_) find_support(count);
   context_ = context;
   shares_.clear();
   divided_.clear();

@@ -74,7 +74,8 @@ class CellBuilder {
     }
   };
 
-  void begin(Cells cells, bool leaves_gaps, Context* context, RestrictedVoronoi& result);
+  void begin(std::size_t count, Cells cells, bool leaves_gaps, Context* context,
+             RestrictedVoronoi& result);
   void find_support(std::size_t count);
   [[nodiscard]] const DensitySupport* support() const { return leaves_ ? support_.get() : nullptr; }
   [[nodiscard]] bool is_for_march(const Sites& sites) const;

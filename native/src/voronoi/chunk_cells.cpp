@@ -17,6 +17,12 @@ constexpr double kParallel = 1e-10;  // relative determinant of bisectors that h
 constexpr std::size_t kFewPairs = 1024;
 constexpr std::size_t kAhead = 12;  // faces: memory takes as long as that
 
+/// The integrals of a region with a constant density from those with density 1.
+Integrals flat(double density, double area, const Triple& first, double second) {
+  const double squared = density * density;
+  return {area, density * area, squared * area, squared * second, squared * first};
+}
+
 }  // namespace
 
 void ChunkParts::clear() {
@@ -72,23 +78,11 @@ void ChunkCells::add_wholes() {
     prefetch(&mesh_->moments[as_index(ahead)]);
     if (!uniform_ && flat_density(ahead) < 0.0) mesh.prefetch(ahead);
     if (site < 0) continue;
-    if (uniform_)
-      add_uniform(cell(site), face, Triple(sites[site]));
-    else if (const double density = flat_density(face); density >= 0.0)
+    if (const double density = flat_density(face); density >= 0.0)
       add_flat(cell(site), face, density, Triple(sites[site]));
     else
       add_whole(face, site);
   }
-}
-
-/// A whole face of uniform density.
-void ChunkCells::add_uniform(CellPart& part, OrderedFace face, const Triple& x) const {
-  const FaceMoments& whole = mesh_->moments[as_index(face)];
-  const Triple offset = whole.centroid - x;
-  part.pieces += whole.area > 0.0 ? mark_of(face) : 0;
-  part.sum.area += whole.area;
-  part.sum.first = part.sum.first + whole.area * offset;
-  part.sum.second += whole.second + whole.area * offset.squared_norm();
 }
 
 /// A whole face of constant density.
@@ -168,46 +162,16 @@ void ChunkCells::cut_chords() {
   const Vec3* const sites = mesh_->lists.positions();
   for (std::size_t k = 0; k < count; ++k) {
     const std::int32_t i = s.i[k], j = s.j[k];
-    if (!uniform_) {
-      add_flat_chord(k);
-      continue;
-    }
+    const double density = s.density[k];
     CellPart& rest = cell(i);
-    add_uniform(rest, s.face[k], Triple(sites[i]));
-    rest.sum.area -= s.area[k];
-    rest.sum.first = rest.sum.first - Triple(s.ix[k], s.iy[k], s.iz[k]);
-    rest.sum.second -= s.i2[k];
+    add_flat(rest, s.face[k], density, Triple(sites[i]));
+    add_integrals(rest.sum, flat(density, -s.area[k], {-s.ix[k], -s.iy[k], -s.iz[k]}, -s.i2[k]));
     CellPart& part = cell(j);
     part.pieces += mark_of(s.face[k]);
-    part.sum.area += s.area[k];
-    part.sum.first = part.sum.first + Triple(s.jx[k], s.jy[k], s.jz[k]);
-    part.sum.second += s.j2[k];
-    add_boundary(i, j, {s.flux_x[k], s.flux_y[k], s.flux_z[k]}, s.weight[k], s.length[k],
-                 s.path[k]);
+    add_integrals(part.sum, flat(density, s.area[k], {s.jx[k], s.jy[k], s.jz[k]}, s.j2[k]));
+    add_boundary(i, j, density * Triple(s.flux_x[k], s.flux_y[k], s.flux_z[k]),
+                 density * s.weight[k], s.length[k], s.path[k]);
   }
-}
-
-/// The same for a face of constant density, which is not 1.
-void ChunkCells::add_flat_chord(std::size_t k) {
-  const Chords& s = chords_;
-  const std::int32_t i = s.i[k], j = s.j[k];
-  const double density = s.density[k], squared = density * density;
-  CellPart& rest = cell(i);
-  add_flat(rest, s.face[k], density, position(i));
-  rest.sum.area -= s.area[k];
-  rest.sum.capacity -= density * s.area[k];
-  rest.sum.mass -= squared * s.area[k];
-  rest.sum.first = rest.sum.first - squared * Triple(s.ix[k], s.iy[k], s.iz[k]);
-  rest.sum.second -= squared * s.i2[k];
-  CellPart& part = cell(j);
-  part.pieces += mark_of(s.face[k]);
-  part.sum.area += s.area[k];
-  part.sum.capacity += density * s.area[k];
-  part.sum.mass += squared * s.area[k];
-  part.sum.first = part.sum.first + squared * Triple(s.jx[k], s.jy[k], s.jz[k]);
-  part.sum.second += squared * s.j2[k];
-  add_boundary(i, j, density * Triple(s.flux_x[k], s.flux_y[k], s.flux_z[k]), density * s.weight[k],
-               s.length[k], s.path[k]);
 }
 
 void ChunkCells::integrate_chords(std::size_t count) {
@@ -461,7 +425,6 @@ bool ChunkCells::add_clipped(OrderedFace face, std::int32_t site) {
 }
 
 ChunkCells::FaceDensity ChunkCells::density_around(OrderedFace face, const Triple& origin) const {
-  if (uniform_) return {{0.0, 0.0, 0.0}, 1.0};
   const OrderedSurface& mesh = mesh_->surface.ordered();
   const FaceGeometry& geometry = mesh.geometry(face);
   const auto [a, b, c] = mesh_->edges.corners()[as_index(face)];
@@ -506,18 +469,7 @@ void ChunkCells::add_flat_polygon(OrderedFace face, double density, std::int32_t
               (a.squared_norm() + b.squared_norm() + c.squared_norm() + sum.squared_norm());
     b = c;
   }
-  Integrals& all = cell(site).sum;
-  all.area += area;
-  if (uniform_) {
-    all.first = all.first + first;
-    all.second += second;
-    return;
-  }
-  const double squared = density * density;
-  all.capacity += density * area;
-  all.mass += squared * area;
-  all.first = all.first + squared * first;
-  all.second += squared * second;
+  add_integrals(cell(site).sum, flat(density, area, first, second));
 }
 
 /// The segment from p to q between the cells of i and j.

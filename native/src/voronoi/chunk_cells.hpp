@@ -151,13 +151,11 @@ class ChunkCells {
   void begin(const ChunkFaces& faces, ChunkParts& parts);
   void add_wholes();
   void add_whole(OrderedFace face, std::int32_t site);
-  void add_uniform(CellPart& part, OrderedFace face, const Triple& x) const;
   void add_flat(CellPart& part, OrderedFace face, double density, const Triple& x) const;
   void stage_chords();
   [[nodiscard]] bool stage_chord(OrderedFace face);
   void cut_chords();
   void integrate_chords(std::size_t count);
-  void add_flat_chord(std::size_t k);
   [[nodiscard]] bool divide_in_three(OrderedFace face);
   void divide(OrderedFace face);
   [[nodiscard]] bool divide_by_arcs(OrderedFace face);

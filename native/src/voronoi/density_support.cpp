@@ -34,25 +34,26 @@ class Places {
 
 /// The vertices that are one where edges are connected: at a welded seam each is several.
 Sets joined_vertices(const OrderedSurface& mesh, const FaceEdges& edges) {
-  const Places at(mesh, edges);
   Sets joined(edges.vertex_count());
-  const auto ends = [&](std::int32_t h) {
-    const Face& corners = edges.corners()[as_index(face_of(h))];
-    return FaceEdges::Ends{corners[as_index(h % 3)], corners[as_index((h + 1) % 3)]};
+  const auto next = [](std::int32_t h) { return half_edge(face_of(h), (h + 1) % 3); };
+  const auto corner = [&](std::int32_t h) {
+    return edges.corners()[as_index(face_of(h))][as_index(h % 3)];
   };
-  const auto join = [&](const FaceEdges::Ends& one, const FaceEdges::Ends& other) {
-    const auto [a, b] = one;
-    const auto [c, d] = other;
-    if ((a == d && b == c) || (a == c && b == d)) return;
-    const bool opposite = (at[a] - at[d]).squaredNorm() + (at[b] - at[c]).squaredNorm() <=
-                          (at[a] - at[c]).squaredNorm() + (at[b] - at[d]).squaredNorm();
-    joined.join(a, opposite ? d : c);
-    joined.join(b, opposite ? c : d);
+  const auto welded = [&](std::int32_t h) {
+    return mesh.welded_corners(face_of(h))[as_index(h % 3)];
+  };
+  const auto join_if_one = [&](std::int32_t h, std::int32_t g) {
+    if (corner(h) != corner(g) && welded(h) == welded(g)) joined.join(corner(h), corner(g));
   };
   const auto count = static_cast<std::int32_t>(3 * mesh.face_count());
   for (std::int32_t h = 0; h < count; ++h)
-    for (std::int32_t g = mesh.next_around(h); g != h; g = mesh.next_around(g))
-      if (g > h) join(ends(h), ends(g));
+    for (std::int32_t g = mesh.next_around(h); g != h; g = mesh.next_around(g)) {
+      if (g < h) continue;
+      for (const std::int32_t end : {h, next(h)}) {
+        join_if_one(end, g);
+        join_if_one(end, next(g));
+      }
+    }
   return joined;
 }
 
@@ -185,12 +186,9 @@ void DensitySupport::number_parts(const FaceEdges& edges, Sets sets) {
 }
 
 void DensitySupport::find_edges(const FaceEdges& edges) {
-  first_edge_.assign(1, 0);
-  for (std::size_t c = 0; c < edges.chunks(); ++c)
-    first_edge_.push_back(first_edge_.back() + edges.edges(c).size());
-  edges_.assign(first_edge_.back(), 0);
+  edges_.assign(edges.first_edge(edges.chunks()), 0);
   parallel_chunks(faces_.size(), FaceEdges::kFaces, [&](std::size_t begin, std::size_t end) {
-    const std::size_t first = first_edge_[begin / FaceEdges::kFaces];
+    const std::size_t first = edges.first_edge(begin / FaceEdges::kFaces);
     for (std::size_t f = begin; f < end; ++f)
       if (faces_[f] != 0)
         for (const std::uint16_t edge : edges.of(nth_face(f)).edges) edges_[first + edge] = 1;

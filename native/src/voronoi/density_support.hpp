@@ -26,9 +26,9 @@ class DensitySupport {
   [[nodiscard]] std::size_t part_count() const { return part_count_; }
 
   /// Per edge of a chunk of faces, whether a face of the chunk that is here has it.
-  [[nodiscard]] std::span<const char> edges(std::size_t chunk) const {
-    return std::span(edges_).subspan(first_edge_[chunk],
-                                     first_edge_[chunk + 1] - first_edge_[chunk]);
+  /// \param edges as given to the constructor
+  [[nodiscard]] std::span<const char> edges(const FaceEdges& edges, std::size_t chunk) const {
+    return std::span(edges_).subspan(edges.first_edge(chunk), edges.edges(chunk).size());
   }
 
   /// The vertices whose faces here are not connected over edges around the vertex, where those of
@@ -46,7 +46,6 @@ class DensitySupport {
   std::size_t face_count_ = 0, part_count_ = 0;
   std::vector<std::int32_t> parts_;  // per vertex
   std::vector<char> edges_;          // of all chunks
-  std::vector<std::size_t> first_edge_;
   std::vector<std::int32_t> pinched_;
 };
 

@@ -91,8 +91,8 @@ void FaceMarch::start(const DensitySupport* support, DividedFaces divided, Conte
   parallel_chunks(faces_.size(), 1, [&](std::size_t chunk, std::size_t) {
     tally.check();
     cutters_.local().find(edges_->edges(chunk),
-                          support_ ? support_->edges(chunk) : std::span<const char>(), labels_,
-                          mesh_.squared_spacing, descends_, faces_[chunk].cuts);
+                          support_ ? support_->edges(*edges_, chunk) : std::span<const char>(),
+                          labels_, mesh_.squared_spacing, descends_, faces_[chunk].cuts);
     sort_faces(chunk);
     if (waits_) {
       find_doubts(faces_[chunk], faces_[chunk].cut);
