@@ -26,6 +26,17 @@ int count_checks(const Work& work);
 /// Run the work once per check and cancel it there; `after` inspects the state.
 void cancel_everywhere(const Work& work, const std::function<void()>& after);
 
+/// A frame of `tracked`, or of a copy of `fresh` while nothing is cancelled.
+template <typename Tracked, typename Next>
+Work advancing(const Tracked& fresh, Tracked& tracked, const Next& next) {
+  return [&](Context* context) {
+    if (cancel_at == kNever)
+      Tracked(fresh).advance(next, context);
+    else
+      tracked.advance(next, context);
+  };
+}
+
 /// Check that progress rises without large jumps and reaches 1 only after the last check.
 /// \return the progress at each check
 std::vector<double> expect_honest_progress(const Work& work, double longest_leap = 0.5);

@@ -50,17 +50,10 @@ TEST_P(CancelWithThreads, EverywhereInATrackedFrame) {
   const Samples samples = sample(surface, 120);
   const Tracker fresh(surface, samples, options);
   Tracker tracker = fresh;
-  cancel_everywhere(
-      [&](Context* context) {
-        if (cancel_at == kNever)
-          Tracker(fresh).advance(next, context);
-        else
-          tracker.advance(next, context);
-      },
-      [&] {
-        EXPECT_TRUE(same_bytes(tracker.samples(), fresh.samples()));
-        EXPECT_TRUE(same_bytes(tracker.surface().vertices(), shape.vertices));
-      });
+  cancel_everywhere(advancing(fresh, tracker, next), [&] {
+    EXPECT_TRUE(same_bytes(tracker.samples(), fresh.samples()));
+    EXPECT_TRUE(same_bytes(tracker.surface().vertices(), shape.vertices));
+  });
   Tracker untouched = fresh;
   EXPECT_TRUE(same_bytes(tracker.advance(next), untouched.advance(next)));
 }

@@ -52,14 +52,8 @@ void expect_watched(const Work& work, double longest_leap = 0.6) {
 template <typename Next>
 void expect_frame_watched(const Population& fresh, const Next& next) {
   Population population = fresh;
-  cancel_everywhere(
-      [&](Context* context) {
-        if (cancel_at == kNever)
-          Population(fresh).advance(next, context);
-        else
-          population.advance(next, context);
-      },
-      [&] { EXPECT_TRUE(same_bytes(population.samples(), fresh.samples())); });
+  cancel_everywhere(advancing(fresh, population, next),
+                    [&] { EXPECT_TRUE(same_bytes(population.samples(), fresh.samples())); });
   expect_honest_progress([&](Context* context) { Population(fresh).advance(next, context); });
 }
 

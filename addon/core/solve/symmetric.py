@@ -63,10 +63,11 @@ def with_exact_images(
     normal, at = normal / np.linalg.norm(normal), arrays.matrix[:3, 3]
     before, now = np.asarray(fine.positions), np.array(samples.positions)
     rows, height = np.arange(len(mirror)), (now - at) @ normal
+    tolerance = _ON_PLANE * np.ptp(before)
     images = now[mirror] - 2.0 * height[mirror, None] * normal
-    on_plane = (mirror == rows) & (np.abs((before - at) @ normal) <= _ON_PLANE * np.ptp(before))
+    on_plane = (mirror == rows) & (np.abs((before - at) @ normal) <= tolerance)
     images[on_plane] = before[on_plane]
-    moved = np.linalg.norm(images - now, axis=1) > _ON_PLANE * np.ptp(before)
+    moved = np.linalg.norm(images - now, axis=1) > tolerance
     moved &= on_plane | (mirror < rows)
     if not moved.any():
         return samples

@@ -57,12 +57,12 @@ def played(obj):
 def test_each_type_has_its_largest_overlap_as_played(every):
     obj = mixed(every)
     found = np.array(list(played(obj)))
-    report, told = obj.dapple.report, overlaps_from(obj.dapple.report.type_overlaps)
+    report, overlaps = obj.dapple.report, overlaps_from(obj.dapple.report.type_overlaps)
     assert report.worst_overlap == pytest.approx(found.max(), abs=1e-4)
-    assert [one.share for one in told] == pytest.approx(found.max(axis=0), abs=1e-4)
-    frames = [one.frame for one in told if one.share > 1e-3]
+    assert [one.share for one in overlaps] == pytest.approx(found.max(axis=0), abs=1e-4)
+    frames = [one.frame for one in overlaps if one.share > 1e-3]
     worst = found.argmax(axis=0) + 1
-    assert frames == [frame for frame, one in zip(worst, told, strict=True) if one.share > 1e-3]
+    assert frames == [frame for frame, one in zip(worst, overlaps, strict=True) if one.share > 1e-3]
     assert report.overlap_between == ((report.overlap_frame - 1) % every != 0)
 
 
@@ -97,8 +97,8 @@ def test_overlaps_between_keyframes_are_said():
 
 def test_the_panel_tells_the_overlap_of_the_active_type():
     obj = mixed(every=4)
-    told = overlaps_from(obj.dapple.report.type_overlaps)
-    for index, own in enumerate(told):
+    overlaps = overlaps_from(obj.dapple.report.type_overlaps)
+    for index, own in enumerate(overlaps):
         obj.dapple.object_type_index = index
         line = f"Of this type {100 * own.share:.0f} % in frame {own.frame}"
         assert (line if own.share >= 0.005 else "Of this type no overlap") in drawn()
