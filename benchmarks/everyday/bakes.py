@@ -161,7 +161,7 @@ def wandering_cube(obj: Any, _surface: Any) -> Forbidden:
     )
     obj.dapple.density.avoid_collection = scenes.collection_of(thing)
     obj.dapple.density.avoid_margin = 0.0
-    rounded = 0.05 * 2.0 / np.sqrt(COUNT)  # corners are rounded by a part of the spacing
+    rounded = 0.001 * 2.0 / np.sqrt(COUNT)
 
     def inside(places: np.ndarray, _frame: int) -> np.ndarray:
         middle = np.array(thing.matrix_world.translation)[:2]

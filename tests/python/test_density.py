@@ -347,6 +347,32 @@ def test_no_sample_lies_in_solids_and_many_lie_beside_them(margin):
     np.testing.assert_array_equal(solids.values(middles * [1, 1, 0]), np.zeros(len(middles)))
 
 
+def in_box(points, half, axes, place) -> np.ndarray:
+    """Distances of points from a turned box, less than 0 inside."""
+    beyond = np.abs((points - place) @ axes) - half
+    return np.linalg.norm(beyond.clip(0.0), axis=1) + beyond.max(axis=1).clip(max=0.0)
+
+
+@pytest.mark.parametrize("margin", [0.0, 0.1])
+@pytest.mark.parametrize("half", [(0.4, 0.4, 0.4), (0.03, 0.5, 0.3)])
+@pytest.mark.parametrize("seed", range(4))
+def test_no_face_with_density_reaches_around_a_corner_of_an_obstacle(margin, half, seed):
+    random = np.random.default_rng(seed)
+    axes, _ = np.linalg.qr(random.normal(size=(3, 3)))
+    place = np.array([*random.uniform(-0.3, 0.3, 2), 0.0])
+    corners = (CUBE * np.array(half)) @ axes.T + place
+    masked = density.MaskedSurface(
+        plane(), [density.Obstacle(corners, CUBE_FACES, margin)], count=500
+    )
+    surface = masked.surface
+    left = surface.vertices[surface.faces[surface.density.max(axis=1) > 0.0]]
+    weights = random.dirichlet((0.5, 0.5, 0.5), 200)
+    places = np.einsum("pk,fkd->fpd", weights, left).reshape(-1, 3)
+    away = in_box(places, np.array(half), axes, place) - margin
+    assert away.min() > -0.001 * surface.spacing(500)
+    assert away.min() < 0.3 * surface.spacing(500)
+
+
 def test_solids_follow_a_surface_that_moves():
     boxes, middles, _ = logs()
     solids = density.Solids(boxes.reshape(-1, 3), [8] * len(boxes))

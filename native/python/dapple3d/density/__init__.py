@@ -22,11 +22,12 @@ the units of the surface, angles in radians.
 """
 
 from .arrays import multiplied, placed, product
-from .fields import Camera, Distance, Field, Height, Noise, Obstacle, RangeField
+from .fields import Camera, Distance, Field, Height, Noise, RangeField
 from .masked import MaskedSurface
 from .nearest import Nearest, border_edges
 from .noise import noise
 from .normals import vertex_normals
+from .obstacle import Obstacle
 from .orientation import aspect, slope
 from .ranges import Range
 from .solids import Solids

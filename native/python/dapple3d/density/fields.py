@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._native import Surface, seen_from
-from .arrays import Flags, Floats, Indices, Ints, longest_edges, shaped
-from .nearest import Body, Mesh, Nearest
+from .arrays import Flags, Floats, Ints, longest_edges, shaped
+from .nearest import Mesh, Nearest
 from .noise import bend, noise
 from .ranges import Range
 
-_INNER = 0.58  # largest distance of a place of a triangle from its corners, in longest edges
+INNER = 0.58  # largest distance of a place of a triangle from its corners, in longest edges
 _COARSE = 0.25  # of the falloff: a face over which values differ by less needs no cut
 _FAR = 1e-9  # relative distance at which an eye is at infinity
 _SOFT = 2.0  # factor of the edge length at a sharp change that suffices for a falloff
@@ -49,6 +49,11 @@ class Field:
     def at_corners(self, points: Floats, faces: Ints) -> Floats:
         """Factors (m, 3) at the corners of faces (m, 3) of vertices (v, 3)."""
         return self.values(points)[faces]
+
+    def reach(self, points: Floats, faces: Ints) -> Flags:
+        """Which faces (m, 3) of vertices (v, 3) reach where the field is 0: (m,)."""
+        found: Flags = (self.values(points) == 0.0)[faces].any(axis=1)
+        return found
 
 
 class RangeField(Field):
@@ -100,7 +105,7 @@ class Distance(RangeField):
         self._nearest = nearest
 
     def beyond(self, longest: Floats) -> Floats:
-        return _INNER * longest
+        return INNER * longest
 
     def at(self, points: Floats) -> Floats:
         return self._nearest.distances(points)
@@ -298,60 +303,6 @@ def _eye_of(clip: Floats) -> Floats:
         return eye / eye[3]
     eye[3] = 0.0  # parallel rays, toward where depths are smaller
     return -eye if clip[2, :3] @ eye[:3] > 0.0 else eye
-
-
-class Obstacle(Field):
-    """0 near a mesh and, where that is closed, inside it; 1 elsewhere.
-
-    Args:
-        vertices, faces: (v, 3) and (m, 3) of the mesh.
-        margin: >= 0, the distance from it that is still 0.
-
-    Raises:
-        ValueError: as `dapple.Surface`.
-    """
-
-    blocks = True
-
-    def __init__(self, vertices: Floats, faces: Ints, margin: float) -> None:
-        self._body, self._margin = Body(vertices, faces), margin
-        self._known: tuple[Floats, Floats] = (np.empty((0, 3)), np.empty(0))
-
-    def values(self, points: Floats) -> Floats:
-        beyond = self._body.beyond(points)
-        found = np.ones(len(points))
-        near = np.flatnonzero(beyond <= self._margin)
-        found[near] = self._outside(points, near) >= self._margin
-        return found
-
-    def changes(self, points: Floats, faces: Ints) -> Flags:
-        """By the corners' distances: nothing else is known of what lies between them."""
-        found = np.zeros(len(faces), dtype=bool)
-        if not len(faces):
-            return found
-        longest = longest_edges(points, faces)
-        near = self._body.beyond(points) <= self._margin + float(longest.max())
-        chosen = np.flatnonzero(near[faces].any(axis=1))
-        used = np.unique(faces[chosen])
-        away = np.full(len(points), np.inf)
-        away[used] = np.abs(self._outside(points, used) - self._margin)
-        found[chosen] = away[faces[chosen]].min(axis=1) <= longest[chosen]
-        return found
-
-    def _outside(self, points: Floats, chosen: Indices) -> Floats:
-        """Distances (k,) from the body of some of the points, less than 0 inside.
-
-        They are kept: points are looked up again after faces are cut, with new ones at the end.
-        """
-        places, known = self._known
-        if not np.array_equal(points[: len(places)], places):
-            known = np.empty(0)
-        known = np.concatenate([known, np.full(len(points) - len(known), np.nan)])
-        self._known = (points.copy(), known)
-        new = chosen[np.isnan(known[chosen])]
-        known[new] = self._body.outside(points[new])
-        found: Floats = known[chosen]
-        return found
 
 
 def needs_cut(

@@ -469,7 +469,7 @@ def _blocked(fields: Sequence[Field], surface: Surface) -> Flags:
     found = np.zeros(len(surface.faces), dtype=bool)
     for field in fields:
         if field.blocks:
-            found |= (field.values(surface.vertices) == 0.0)[surface.faces].any(axis=1)
+            found |= field.reach(surface.vertices, surface.faces)
     return found
 
 

@@ -9,10 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._native import Surface, project
-from .arrays import Floats, Ints, shaped
+from .._native import Surface, project, reached_by_solids
+from .arrays import Flags, Floats, Ints, longest_edges, shaped
 from .normals import vertex_normals
 
+_DEPTH = 1e-3  # how far a face may reach into a body, of the longest edge: less is contact
 _THIN = 1e-9  # width of the triangle of a segment, relative to the size of all segments
 Mesh = tuple[Floats, Ints]  # vertices (v, 3) and faces (m, 3)
 
@@ -41,6 +42,23 @@ class Body:
         """Distances (k,) from the box around the mesh, which are no larger than from the mesh."""
         low, high = self._box
         found: Floats = np.linalg.norm(np.maximum(low - points, points - high).clip(0.0), axis=1)
+        return found
+
+    def touches(self, points: Floats, faces: Ints, margin: float) -> Flags:
+        """Which faces (m, 3) of vertices (v, 3) come nearer to the mesh than a margin, or cross it
+        where it is closed. Corners that are inside do not count.
+        """
+        found = np.zeros(len(faces), dtype=bool)
+        if not len(faces) or (margin == 0.0 and not self.closed):
+            return found
+        depth = _DEPTH * float(longest_edges(points, faces).max())
+        within = max(margin - depth, 0.0)
+        places = self._mesh.vertices - max(depth - margin, 0.0) * self._normals
+        corners, own = places[self._mesh.faces], points[faces].reshape(-1, 3)
+        low, high = own.min(axis=0) - within, own.max(axis=0) + within
+        near = ((corners.min(axis=1) <= high) & (corners.max(axis=1) >= low)).all(axis=1)
+        solids = corners[near].reshape(-1, 3), np.full(np.count_nonzero(near), 3)
+        found[:] = reached_by_solids(points, faces, *solids, margin=within) != 0
         return found
 
     def clear(self, distances: Floats, points: Floats) -> None:
