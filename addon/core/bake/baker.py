@@ -10,18 +10,22 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from ..base.errors import ScatterError
 from ..base.native import named, package
+from ..density.counts import values_of
 from ..density.masked_surface import MaskedSurface
 from ..settings.values import Settings
 from ..solve.class_counts import resumed_on, tracked
 from ..solve.small_parts import small_parts
 from ..solve.solve import Report, report_of
 from ..surface.arrays import REATTACH, Floats, Ints, SurfaceArrays, check_same_topology
-from ..surface.binding import placed_of, places_on, rebound, samples_of
+from ..surface.binding import attached_to, places_on, rebound, samples_of
 from ..surface.frames import carried, shading
 from ..surface.records import Binding, Placed
 from ..surface.rest import Shape, rebound_at_rest
+from .disc_pushes import Places, allowed_on, pushed_apart
 from .keys import Baked, Keyframes
 from .masked_surfaces import MaskedSurfaces
 from .overlaps import Overlaps, discs_at
@@ -188,9 +192,10 @@ class Baker:
             samples = tracker.advance(masked.vertices(self._now.vertices), context=context)
         # Stored samples differ from the solved ones by rounding, so the tracker continues from
         # them.
-        self._tracked = -1 if masked.is_cut else self.done + 1
         there = self.masked_surfaces.on_original(masked, samples, self._now.vertices)
         solved = self._solved_of(there, tracker.settled)
+        stays = np.array_equal(solved.placed.binding.barycentric, there.barycentric)
+        self._tracked = self.done + 1 if stays and not masked.is_cut else -1
         self._keep(solved, self.first + self.done, self.fingerprint)
         self._add(solved)
 
@@ -296,12 +301,26 @@ class Baker:
     def _solved_of(self, samples: Any, settled: bool) -> Solved:
         """Samples of the frame, with the directions carried over from the last frame."""
         vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
-        placed = placed_of(samples, self.bound)
+        places = Places(np.asarray(samples.faces, dtype=np.int32), samples.barycentric)
+        placed = self._placed_at(self._apart(places, (self.all_ids, self.classes)))
         turned = carried(self.last, placed.binding, vertices, normals)
         tilt = self.tilts.next(self.last, turned, vertices, normals)
         doubled = self.masked_surfaces.first.original.doubled_faces
         report = replace(report_of(samples.report), doubled_faces=doubled)
         return Solved(Placed(placed.faces, turned, tilt=tilt), report, settled)
+
+    def _placed_at(self, places: Places) -> Placed:
+        return Placed(places.faces, attached_to(self.bound, places.faces, places.barycentric))
+
+    def _apart(self, places: Places, who: tuple[Ints, Ints]) -> Places:
+        """Places of points, with these ids and types, where their discs do not overlap."""
+        if self._overlaps is None:
+            return places
+        masked, vertices, placed = self._stands_on, self._now.vertices, self._placed_at(places)
+        points = placed.binding.positions(vertices)
+        discs = discs_at(points, placed, vertices, self.masked_surfaces.radii, who)
+        allowed = allowed_on(masked, who[1], values_of(self.start.settings))
+        return pushed_apart(discs, places, lambda: masked.original.deformed(vertices), allowed)
 
     def _there(self, masked: Any, solved: Solved) -> Any:
         """Exactly the samples of a solved frame, on a surface."""

@@ -14,7 +14,7 @@ import numpy as np
 from ..surface.arrays import Floats, Ints
 from ..surface.records import Placed
 
-_SAME_SIDE = -0.5  # cosine between the normals of two points: others lie on two sides of a sheet
+SAME_SIDE = -0.5  # cosine between the normals of two points: others lie on two sides of a sheet
 _AROUND = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3), axis=-1).reshape(-1, 3)
 _LIMIT = 1 << 20  # cells of a grid along each axis
 
@@ -44,18 +44,23 @@ class Discs:
         two points (count, 2); -1 if there is none.
         """
         shares, rows = np.zeros(count), np.full((count, 2), -1)
-        pairs = np.concatenate([np.empty((0, 2), dtype=np.int64), *self._pairs()])
-        first, second = pairs.T
-        apart = np.linalg.norm(self.points[first] - self.points[second], axis=1)
-        overlaps = 1.0 - apart / (self.radii[first] + self.radii[second])
-        same_side = (self.normals[first] * self.normals[second]).sum(axis=1) > _SAME_SIDE
-        found = np.flatnonzero((overlaps > 0.0) & same_side)
-        kinds = np.concatenate([self.classes[first[found]], self.classes[second[found]]])
-        found = np.concatenate([found, found])
+        pairs, overlaps = self.overlapping()
+        kinds = self.classes[pairs.T.ravel()]
+        found = np.tile(np.arange(len(pairs)), 2)
         order = np.argsort(overlaps[found], kind="stable")  # of a class the last one is assigned
         shares[kinds[order]] = overlaps[found[order]]
         rows[kinds[order]] = pairs[found[order]]
         return shares, rows
+
+    def overlapping(self) -> tuple[Ints, Floats]:
+        """Rows (k, 2) of the pairs that overlap on one side of the surface, and by which shares."""
+        pairs = np.concatenate([np.empty((0, 2), dtype=np.int64), *self._pairs()])
+        first, second = pairs.T
+        apart = np.linalg.norm(self.points[first] - self.points[second], axis=1)
+        overlaps = 1.0 - apart / (self.radii[first] + self.radii[second])
+        same_side = (self.normals[first] * self.normals[second]).sum(axis=1) > SAME_SIDE
+        found = np.flatnonzero((overlaps > 0.0) & same_side)
+        return pairs[found], overlaps[found]
 
     def _pairs(self) -> Iterator[Ints]:
         """Rows (k, 2) of all pairs that may overlap: a disc, and one that is not larger."""
@@ -104,7 +109,7 @@ def discs_at(
     if placed.faded is not None:
         there = np.flatnonzero(placed.faded[: len(points)] == 0.0)
     ids, classes = (values[there] for values in who)
-    normals = _normals(vertices[placed.binding.corners[there]])
+    normals = normals_of(vertices[placed.binding.corners[there]])
     return Discs(points[there], normals, radii[classes], classes, ids)
 
 
@@ -118,7 +123,7 @@ def overlaps_from(text: str) -> list[Overlap]:
     return [Overlap(*one) for one in stored] if sane else []
 
 
-def _normals(corners: Floats) -> Floats:
+def normals_of(corners: Floats) -> Floats:
     """Unit normals (n, 3) of triangles (n, 3, 3); 0 without an area."""
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(across, axis=1, keepdims=True)

@@ -22,6 +22,7 @@ from ..surface.binding import attached_to, faces_with_corners, samples_of
 from ..surface.frames import carried, shading
 from ..surface.records import Binding, Columns, Placed, joined
 from .baker import Baker
+from .disc_pushes import Places
 from .sidecar import Solved
 from .tilt import TiltTracker
 
@@ -130,14 +131,27 @@ class PopulationBaker(Baker):
             samples, report = self._next(context)
             masked, vertices = self.masked_surfaces.now, self._now.vertices
             now = self.masked_surfaces.on_original(masked, samples, vertices)
-        there = _FramePoints(now.ids, now.classes, now.faces, now.barycentric, now.fade)
+        solved = _FramePoints(now.ids, now.classes, now.faces, now.barycentric, now.fade)
+        there = self._whole_apart(solved)
         kept = self._kept(there, report_of(report), self._population.state)
         self._keep(kept, self.first + self.done, self.fingerprint)
         # Stored samples differ from the solved ones by rounding, so the population continues from
         # them.
-        self._stands = -1 if self.masked_surfaces.now.is_cut else self.done + 1
+        stays = there is solved and not self.masked_surfaces.now.is_cut
+        self._stands = self.done + 1 if stays else -1
         self._masked_then = self.masked_surfaces.now
         self._note(there, kept)
+
+    def _whole_apart(self, there: _FramePoints) -> _FramePoints:
+        """The points, of which those that neither appear nor vanish do not overlap."""
+        whole = np.flatnonzero(there.fade == 1.0)
+        places = Places(np.asarray(there.faces, dtype=np.int32), there.barycentric)
+        some = places.at(whole)
+        pushed = self._apart(some, (there.ids[whole], there.classes[whole]))
+        if pushed is some:
+            return there
+        places = places.changed(whole, pushed)
+        return replace(there, faces=places.faces, barycentric=places.barycentric)
 
     def _kept(self, there: _FramePoints, report: Report, state: Columns) -> Solved:
         faces = np.asarray(there.faces, dtype=np.int32)
