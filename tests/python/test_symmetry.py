@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import shapes
 from command_line import done, refused, run
+from dapple3d import density
+from mask_checks import CUBE, CUBE_FACES
 
 
 def sheet(density=None) -> dapple.Surface:
@@ -119,3 +121,48 @@ def test_the_command_refuses(tmp_path, file):
     assert "not symmetric" in refused(*far, "--symmetry", "x")
     assert "need --symmetry" in run(*far).output
     assert not out.exists()
+
+
+def across_a_step():
+    """A symmetric plate with a block stuck through it, whose faces are cut otherwise on each side
+    of the plane of symmetry.
+    """
+    plate, faces = shapes.grid(5)
+    span = np.ptp(plate, axis=0).max()
+    plate = (plate - (plate.min(axis=0) + plate.max(axis=0)) / 2) / span
+    block = CUBE * [0.2, 0.15, 0.1]
+    whole = dapple.Surface(np.vstack([plate, block]), np.vstack([faces, CUBE_FACES + len(plate)]))
+    right = whole.vertices[whole.faces].mean(axis=1)[:, 0] > 0.01
+    cut = dapple.refine_edges(whole, np.where(right, 0.07, np.inf)).surface
+    return dapple.Surface(cut.vertices, cut.faces)
+
+
+def test_pairs_stay_exact_where_what_is_hidden_is_left_out():
+    surface = across_a_step()
+    masked = density.MaskedSurface(surface, outside=0.05, count=300)
+    made = dapple.sample_symmetric(masked.surface, 300)
+    samples = masked.pairs_to_original(made)
+    np.testing.assert_array_equal(samples.ids, made.samples.ids)
+    flip = np.array([-1.0, 1.0, 1.0])
+    np.testing.assert_allclose(samples.positions[made.mirror], samples.positions * flip, atol=1e-9)
+    assert dapple.exposure(surface, samples.faces, samples.barycentric).min() > 0.0
+    alone = masked.to_original(made.samples)  # each moves along its own face
+    assert np.abs(alone.positions[made.mirror] - alone.positions * flip).max() > 1e-4
+
+
+def test_pairs_on_a_surface_without_masks_are_the_samples():
+    masked = density.MaskedSurface(sheet(), count=50)
+    made = dapple.sample_symmetric(masked.surface, 50, normal=(0, 2, 0), point=middle())
+    found = masked.pairs_to_original(made, (0, 2, 0), middle())
+    np.testing.assert_array_equal(found.positions, made.samples.positions)
+
+
+def test_the_command_keeps_pairs_exact_under_masks(tmp_path):
+    surface, out = across_a_step(), tmp_path / "out.npz"
+    path = tmp_path / "step.npz"
+    np.savez(path, vertices=surface.vertices, faces=surface.faces)
+    report = done("sample", path, out, "-n", 300, "--symmetry", "x", "--outside", "--json", "-")
+    assert json.loads(report.stdout)["report"]["count"] == 300
+    with np.load(out) as found:
+        images = found["positions"] * [-1.0, 1.0, 1.0]
+        np.testing.assert_allclose(found["positions"][found["mirror"]], images, atol=1e-9)

@@ -21,7 +21,7 @@ from .edges import bound_on_edges, counts_on_edges, dealt, sampled_on_edges
 from .figures import Details, details_of
 from .locked import Locked, kept_ids, rows_of
 from .small_parts import small_parts
-from .symmetric import paired_ranks, sampled_in_pairs, with_exact_images
+from .symmetric import on_original, paired_ranks, sampled_in_pairs
 
 _AT_BORDER = 0.5  # length of the direction away from neighbors at a straight border
 
@@ -96,11 +96,13 @@ def scatter(
         return _scatter_on_edges(arrays, settings, context, locked, masked)
     with named(arrays.name):
         masked = masked or masked_surface_of(arrays, settings)
-        fine, mirror = _sampled(masked, arrays, settings, context, locked)
-        if mirror is None:
-            samples = masked.to_original(fine)
+        if settings.in_pairs:
+            pairs = sampled_in_pairs(masked, arrays, settings, context, locked)
+            fine, mirror = pairs.samples, pairs.mirror
+            samples = on_original(masked, pairs, arrays, settings.symmetry)
         else:
-            samples = with_exact_images(masked, fine, mirror, arrays, settings.symmetry)
+            fine, mirror = sampled(masked, settings, context, locked), None
+            samples = masked.to_original(fine)
         ranks = package().progressive_ranks(fine.positions, fine.classes)
     ids = samples.ids if locked is None else kept_ids(locked, samples.classes)
     columns = point_columns(ids, samples.classes, settings.seed)
@@ -124,20 +126,6 @@ def scatter(
     details = details_of(fine, density)
     capacity, solved = float(masked.surface.capacity), Solved(arrays, masked, fine)
     return Scattered(positions, binding, columns, report, details, settings, capacity, solved)
-
-
-def _sampled(
-    masked: MaskedSurface,
-    arrays: SurfaceArrays,
-    settings: Settings,
-    context: Any,
-    locked: Locked | None,
-) -> tuple[Any, Ints | None]:
-    """dapple.Samples, and the row of each one's mirror image if they are in pairs."""
-    if not settings.in_pairs:
-        return sampled(masked, settings, context, locked), None
-    found = sampled_in_pairs(masked, arrays, settings, context, locked)
-    return found.samples, found.mirror
 
 
 def _scatter_on_edges(

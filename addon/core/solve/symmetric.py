@@ -14,8 +14,6 @@ from ..surface.arrays import Floats, Ints, SurfaceArrays
 from .class_counts import wanted_counts
 from .locked import Locked
 
-_ON_PLANE = 1e-6  # of the surface's size
-
 
 def sampled_in_pairs(
     masked: MaskedSurface,
@@ -52,29 +50,10 @@ def sampled_in_pairs(
         ) from error
 
 
-def with_exact_images(
-    masked: MaskedSurface, fine: Any, mirror: Ints, arrays: SurfaceArrays, axis: str
-) -> Any:
-    """dapple.Samples of the surface, from those in pairs on the faces that the density needs: each
-    leaves the border of the density along its own face, so the images are placed anew.
-    """
-    samples, surface = masked.to_original(fine), masked.original
+def on_original(masked: MaskedSurface, pairs: Any, arrays: SurfaceArrays, axis: str) -> Any:
+    """dapple.Samples of the surface, from those in pairs on the faces that the density needs."""
     normal = _normal(arrays.matrix, AXES.index(axis))
-    normal, at = normal / np.linalg.norm(normal), arrays.matrix[:3, 3]
-    before, now = np.asarray(fine.positions), np.array(samples.positions)
-    rows, height = np.arange(len(mirror)), (now - at) @ normal
-    tolerance = _ON_PLANE * np.ptp(before)
-    images = now[mirror] - 2.0 * height[mirror, None] * normal
-    on_plane = (mirror == rows) & (np.abs((before - at) @ normal) <= tolerance)
-    images[on_plane] = before[on_plane]
-    moved = np.linalg.norm(images - now, axis=1) > tolerance
-    moved &= on_plane | (mirror < rows)
-    if not moved.any():
-        return samples
-    places = package().project(surface, images[moved])
-    faces, barycentric = np.array(samples.faces), np.array(samples.barycentric)
-    faces[moved], barycentric[moved] = places.faces, places.barycentric
-    return package().Samples(surface, faces, barycentric, ids=samples.ids)
+    return masked.pairs_to_original(pairs, normal, arrays.matrix[:3, 3])
 
 
 def _normal(matrix: Floats, axis: int) -> Floats:

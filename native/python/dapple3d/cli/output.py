@@ -71,6 +71,7 @@ class Output:
         settings: dict[str, Any],
         read: dict[str, str] | None = None,
         arrays: dict[str, NDArray] | None = None,
+        report: dapple.Report | None = None,
         **more: Any,
     ) -> None:
         """Write samples of the mesh that was loaded, the report, and a line.
@@ -80,8 +81,10 @@ class Output:
             settings: all that the command was called with, for the report.
             read: what else was read, for the report.
             arrays: more of each point, by name.
+            report: of the samples; None: their own.
             more: more of the report.
         """
+        report = report or samples.report
         found = points.points_of(samples)
         if self.attributes:
             found = with_attributes(loaded.mesh, samples, found)
@@ -93,13 +96,13 @@ class Output:
             output=str(self.path),
             settings=settings,
             **more,
-            report=samples.report.to_dict(),
+            report=report.to_dict(),
         )
         self.reporter.say(f"{self.path}: {said}{loaded.doubled()}")
-        for k, quality in enumerate(samples.report.classes):
+        for k, quality in enumerate(report.classes):
             self.reporter.say(f"  class {k}: {quality.count} points, {figures(quality)}")
         if self.profile:
-            self.reporter.show_profile([samples.report])
+            self.reporter.show_profile([report])
 
 
 def point_options(verb: str) -> Callable[[Callable[..., None]], Callable[..., None]]:

@@ -17,6 +17,7 @@ from .._native import (
     Refined,
     Samples,
     Surface,
+    SymmetricSamples,
     refine_edges,
     refine_image,
     refine_obstacles,
@@ -36,6 +37,7 @@ from .arrays import (
     shaped,
 )
 from .fields import Clearance, Field, needs_cut
+from .mirrored import with_exact_images
 from .nearest import border_edges
 from .pictures import Tile, crossing, filled_share, laid_out, reduced, repeats, texture_area
 
@@ -50,6 +52,7 @@ _COUNTS = (100, 1_000_000)  # limits of the number of points that faces are cut 
 _PIXELS = 8.0  # of a picture per spacing; finer pixels are averaged
 _REPEATED = 1.5  # the same for a picture that repeats often, which is fine everywhere
 _SHORTEST = 0.7  # shortest edge that is cut for a picture, in spacings where it is densest
+_X, _ORIGIN = np.eye(3)[0], np.zeros(3)
 
 Poses = Sequence[Floats]
 
@@ -192,6 +195,23 @@ class MaskedSurface:
             return samples
         moved = self._refined if vertices is None else self._refined.deformed(vertices)
         return moved.to_original(samples)
+
+    def pairs_to_original(
+        self, pairs: SymmetricSamples, normal: Floats = _X, point: Floats = _ORIGIN
+    ) -> Samples:
+        """Samples of `dapple.sample_symmetric`, on the faces of `original`: pairs stay exact.
+
+        `to_original` moves samples at the border of the density inward, each along its own face, so
+        that images differ where faces do. Here an image follows the first of its pair. The samples
+        keep their ids and have no report.
+
+        Args:
+            pairs: of `surface`.
+            normal: (3,), of the plane of symmetry.
+            point: (3,), on it.
+        """
+        alone = self.to_original(pairs.samples)
+        return with_exact_images(pairs, alone, self.original, np.asarray(normal), np.asarray(point))
 
     def from_original(self, samples: Samples) -> Samples:
         """Samples of `original`, on the faces of `surface`."""

@@ -83,14 +83,15 @@ def command(
     more: dict[str, Any] = {}
     if symmetry is None:
         solving = partial(dapple.sample, masked.surface, count, **chosen)
-        samples = output.run("sampling", solving)
+        samples = masked.to_original(output.run("sampling", solving))
+        report = samples.report
     else:
         pairs = partial(in_pairs, masked.surface, count, symmetry, **mirrored, **chosen)
         made = output.run("sampling", pairs)
-        samples = made.samples
+        report = made.samples.report
+        samples = masked.pairs_to_original(made, **plane_across(symmetry, symmetry_at or 0.0))
         more = {"arrays": {"mirror": made.mirror}, "mirror_error": made.mirror_error}
         mirrored["symmetry"] = symmetry
-    samples = masked.to_original(samples)
     settings = {
         "count": count,
         **options.given({"spacing": spacing}),
@@ -98,16 +99,20 @@ def command(
         **source.masks.describe(),
         **options.library_defaults("sample"),
     }
-    said = f"{count} points, {figures(samples.report)}"
+    said = f"{count} points, {figures(report)}"
     settings |= mirrored | chosen
-    output.write("sample", loaded, samples, said, settings=settings, **more)
+    output.write("sample", loaded, samples, said, settings=settings, report=report, **more)
 
 
 def in_pairs(
     surface: dapple.Surface, count: int, axis: str, symmetry_at: float = 0.0, **options: Any
 ) -> dapple.SymmetricSamples:
     """Samples in pairs of mirror images along an axis."""
+    plane = plane_across(axis, symmetry_at)
+    return dapple.sample_symmetric(surface, count, **plane, **options)
+
+
+def plane_across(axis: str, at: float) -> dict[str, Any]:
+    """The plane of symmetry across an axis."""
     normal = np.eye(3)[AXES.index(axis)]
-    return dapple.sample_symmetric(
-        surface, count, normal=normal, point=symmetry_at * normal, **options
-    )
+    return {"normal": normal, "point": at * normal}
