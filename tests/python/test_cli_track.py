@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import shapes
 from command_line import done, refused, run
+from mask_checks import CUBE, CUBE_FACES
 
 
 @pytest.fixture
@@ -252,3 +253,73 @@ def test_refuses_damaged_points_that_appear(tmp_path, broken, said):
     assert re.search(said, refused("export", path, tmp_path / "out.npz"))
     np.savez(path, starts=[0, 3])
     assert "has starts, but no positions" in refused("export", path, tmp_path / "out.npz")
+
+
+def passing_cubes(tmp_path):
+    """A small cube that comes out of a large one: what is hidden differs on each frame."""
+    inner = 0.5 * CUBE
+    frames = [
+        np.vstack([CUBE, inner + np.array([shift, 0.1, 0.05])])
+        for shift in np.linspace(0.6, 1.2, 4)
+    ]
+    faces = np.vstack([CUBE_FACES, CUBE_FACES + len(CUBE)])
+    path = tmp_path / "cubes.npz"
+    np.savez(path, vertices=np.stack(frames), faces=faces)
+    return path, frames, faces
+
+
+def hidden_on(stored, frames, faces):
+    """How many points are hidden on each frame."""
+    return [
+        int((dapple.exposure(dapple.Surface(frame, faces), on, weights) == 0.0).sum())
+        for frame, on, weights in zip(frames, stored["faces"], stored["barycentric"], strict=True)
+    ]
+
+
+@pytest.mark.parametrize("over_time", ["first-frame", "all-frames", "each-frame"])
+def test_decides_over_time_what_is_outside(tmp_path, over_time):
+    path, frames, faces = passing_cubes(tmp_path)
+    frames, out = frames[::-1], tmp_path / "points.npz"  # the small one goes in
+    np.savez(path, vertices=np.stack(frames), faces=faces)
+    options = ("--outside", "--outside-over-time", over_time)
+    found = done("track", path, out, "-n", 300, *options, "--json", "-")
+    assert json.loads(found.stdout)["settings"]["outside_over_time"] == over_time
+    with np.load(out) as stored:
+        hidden = hidden_on(stored, frames, faces)
+        small = [(np.asarray(on) >= len(CUBE_FACES)).sum() for on in stored["faces"]]
+        assert stored["faces"].max() < len(faces)
+    assert hidden[0] == 0
+    if over_time == "first-frame":
+        assert hidden[-1] > 5
+        assert small[0] == small[-1]
+    else:
+        assert max(hidden) == 0
+    if over_time == "each-frame":
+        assert small[-1] < small[0] - 10
+
+
+def test_points_move_to_what_comes_to_light(tmp_path):
+    path, frames, faces = passing_cubes(tmp_path)
+    out = tmp_path / "points.npz"
+    done("track", path, out, "-n", 300, "--outside", "--outside-over-time", "each-frame")
+    with np.load(out) as stored:
+        assert max(hidden_on(stored, frames, faces)) == 0
+        small = [(np.asarray(on) >= len(CUBE_FACES)).sum() for on in stored["faces"]]
+        np.testing.assert_array_equal(stored["ids"], np.arange(300))
+    assert small[-1] > small[0] + 5
+
+
+@pytest.mark.parametrize(
+    ("options", "rule"),
+    [
+        (["--outside-over-time", "all-frames"], "--outside-over-time needs --outside"),
+        (
+            ["--outside", "--outside-over-time", "each-frame", "--together"],
+            "each-frame goes frame by frame, so not with --together",
+        ),
+    ],
+)
+def test_refuses_over_time_where_it_means_nothing(tmp_path, motion, options, rule):
+    found = run("track", motion, tmp_path / "points.npz", "-n", 60, *options)
+    assert found.exit_code == 2
+    assert rule in found.output

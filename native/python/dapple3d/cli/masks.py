@@ -3,7 +3,7 @@
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -217,11 +217,13 @@ class Masks:
         count: int | None = None,
         spacing: float | None = None,
         values: Mapping[str, NDArray[np.float64]] | None = None,
+        poses: Sequence[NDArray[np.float64]] = (),
     ) -> density.MaskedSurface:
         """The surface of a file with its density in the masks, cut for that many points.
 
         Args:
             values: densities of classes by their names, see `MaskedSurface`.
+            poses: vertices in the poses in which --outside looks; none: where they are.
 
         Raises:
             ClickException: naming the file and the options that leave nothing of it.
@@ -238,7 +240,7 @@ class Masks:
             shaped = density.multiplied(surface, *self._factors(surface))
             outside = self.given.get("openness", OPENNESS) if "outside" in self.given else None
             return density.MaskedSurface(
-                shaped, fields, count=count or 1, outside=outside, values=values
+                shaped, fields, count=count or 1, outside=outside, values=values, poses=poses
             )
 
     def _factors(self, surface: dapple.Surface) -> list[NDArray[np.float64]]:

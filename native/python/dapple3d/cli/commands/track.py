@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """dapple track: points that stay put on a moving mesh."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -24,6 +24,7 @@ from dapple3d.extras.distributed.shots import changing_arrays, motion_arrays
 from dapple3d.writing import replacing, write_npz
 
 LARGEST_CLASS = 1_000_000
+OVER_TIME = FIRST_FRAME, ALL_FRAMES, EACH_FRAME = "first-frame", "all-frames", "each-frame"
 # Options of sample(), for the first frame, that mean the same to the tracker.
 START = {*options.library_defaults("sample")} & {*options.library_defaults("Tracker")} - {
     "max_evaluations"  # of each frame
@@ -56,6 +57,14 @@ START = {*options.library_defaults("sample")} & {*options.library_defaults("Trac
 @options.library_options("sample", only=["seed"])
 @options.library_options("Tracker", without=["union_weight"])
 @mask_options
+@click.option(
+    "--outside-over-time",
+    type=click.Choice(OVER_TIME),
+    help="With --outside: frames that decide. first-frame: places stay as they are there, and "
+    "points may become hidden. all-frames: places that are seen on every frame. each-frame: points "
+    "leave places that become hidden and move to those that come to light.  "
+    f"[default: {FIRST_FRAME}]",
+)
 @options.surface_options
 @options.profile_option
 @options.report_options
@@ -73,6 +82,7 @@ def command(
     reach: float | None,
     seed: int | None,
     masks: Masks,
+    outside_over_time: str | None,
     surface_options: meshes.SurfaceOptions,
     profile: bool,
     json_out: str | None,
@@ -90,7 +100,8 @@ def command(
     name has a number in its place (f-1, f0), else a dash (shot-1, shot-2). Polygons may begin at
     another corner. Triangles of .stl hang together where those of the first frame do.
 
-    Masks count as on the first frame, and go with the surface.
+    Masks count as on the first frame, and go with the surface; --outside-over-time says more of
+    --outside.
 
     With --keep-density faces may be others on each frame, or none: no points then. One .npz then
     has 'vertices_0', 'faces_0', 'vertices_1' and so on. The points of all frames follow each other
@@ -108,6 +119,7 @@ def command(
     if out.suffix.lower() != ".npz":
         raise click.ClickException(f"{out}: the points of all frames are written as .npz")
     check_usage(together, closed, sweeps, keep_density, fade, reach, masks)
+    check_over_time(outside_over_time, together, masks)
     options.check_either(count, spacing, points)
     files = sequences.files_of(frames)
     check_outputs([*files, points, *masks.files], [out, reporter.file])
@@ -119,7 +131,9 @@ def command(
         replace(motion[begin][1], path=Path(motion[begin][0])),
         options=surface_options,
     )
-    masked = masks.on(loaded.surface, loaded.mesh.path, count=count, spacing=spacing)
+    poses = [mesh.vertices for _, mesh in motion] if outside_over_time == ALL_FRAMES else []
+    on_mesh = partial(masks.on, loaded.surface, loaded.mesh.path, count=count, spacing=spacing)
+    masked = on_mesh(poses=poses)
     tracking = options.given(solver)
     sampling = {name: tracking[name] for name in START if name in tracking}
     sampling |= options.given({"seed": seed})
@@ -138,6 +152,8 @@ def command(
             results = empty + follow_population(
                 work, loaded.surface, motion[begin:], first, tracking
             )
+        elif outside_over_time == EACH_FRAME:
+            results = follow_outside(work, on_mesh, masked, motion, first, tracking)
         else:
             follow = follow_together if together else follow_each
             found = follow(work, masked, motion, first, tracking)
@@ -153,6 +169,7 @@ def command(
         **options.given({"spacing": spacing}),
         "together": together,
         **masks.describe(),
+        **options.given({"outside_over_time": outside_over_time}),
     } | options.library_defaults(verb)
     settings["seed"] = options.library_defaults("sample")["seed"]
     reporter.store(
@@ -191,6 +208,14 @@ def check_usage(
         raise click.UsageError("--keep-density goes frame by frame, so not --together")
     if keep_density and masks.given:
         raise click.UsageError("masks are of the first frame, so not with --keep-density")
+
+
+def check_over_time(outside_over_time: str | None, together: bool, masks: Masks) -> None:
+    """Raise UsageError where --outside-over-time means nothing."""
+    if outside_over_time is not None and "outside" not in masks.given:
+        raise click.UsageError("--outside-over-time needs --outside")
+    if outside_over_time == EACH_FRAME and together:
+        raise click.UsageError(f"{EACH_FRAME} goes frame by frame, so not with --together")
 
 
 def first_with_faces(motion: Frames) -> int:
@@ -278,6 +303,36 @@ def follow_each(
         with about(name):
             results.append(work.run(partial(tracker.advance, masked.vertices(mesh.vertices))))
     return results
+
+
+def follow_outside(
+    work: Work,
+    on_mesh: Callable[..., MaskedSurface],
+    masked: MaskedSurface,
+    motion: Frames,
+    first: dapple.Samples,
+    given: dict[str, Any],
+) -> list[dapple.Samples]:
+    """Frame after frame, each with the places that are outside there; on the original faces."""
+    tracker = dapple.Tracker(masked.surface, first, **given)
+    begin = masked.to_original(first)
+    results, before = [begin], motion[0][1].vertices
+    for name, mesh in motion[1:]:
+        with about(name):
+            masked = on_mesh(poses=[mesh.vertices])
+            now, start = (placed_on(masked, samples) for samples in (results[-1], begin))
+            tracker.resume_on(masked.surface, masked.vertices(before), now, start)
+            found = work.run(partial(tracker.advance, masked.vertices(mesh.vertices)))
+        before = mesh.vertices
+        results.append(masked.to_original(found, before))
+    return results
+
+
+def placed_on(masked: MaskedSurface, samples: dapple.Samples) -> dapple.Samples:
+    """Samples of any frame, at rest on the faces that the masks need."""
+    who = {"ids": samples.ids, "classes": samples.classes}
+    at_rest = dapple.Samples(masked.original, samples.faces, samples.barycentric, **who)
+    return masked.from_original(at_rest)
 
 
 def follow_population(
