@@ -26,7 +26,7 @@ inline auto members(Projection& p) {
 }
 inline auto members(MeshRecord& r) {
   return std::tie(r.weld, r.merge_doubled, r.faces, r.original_face, r.original_vertex,
-                  r.next_around_edge, r.welded_vertex, r.component, r.doubled);
+                  r.next_around_edge, r.welded_vertex, r.component, r.body, r.doubled);
 }
 
 }  // namespace dapple

@@ -122,6 +122,28 @@ def test_a_refinement_is_pickled_with_its_joints(refined):
         np.testing.assert_array_equal(one, other)
 
 
+def test_points_on_two_bodies_keep_apart_on_the_walls_of_a_groove():
+    """Two boards that cross at an acute angle; also on a surface that was pickled."""
+    board, other = CUBE * [1.0, 0.5, 0.1], CUBE * [0.9, 0.5, 0.08]
+    cos, sin = np.cos(0.5), np.sin(0.5)
+    other = other @ np.array([[cos, 0, -sin], [0, 1, 0], [sin, 0, cos]]) + [0.1, 0.03, 0.02]
+    surface = dapple.Surface(
+        np.vstack([board, other]), np.vstack([CUBE_FACES, CUBE_FACES + len(CUBE)])
+    )
+    refined = dapple.refine_outside(surface, 0.1 * surface.spacing(600))
+    spacing = np.sqrt(2.0 * refined.surface.capacity / (np.sqrt(3.0) * 600))
+    for solved in (refined.surface, pickle.loads(pickle.dumps(refined.surface))):
+        found = dapple.sample(solved, 600)
+        assert found.report.converged
+        assert found.report.capacity_variation < 0.02
+        samples = refined.to_original(
+            dapple.Samples(refined.surface, found.faces, found.barycentric)
+        )
+        first = samples.faces < len(CUBE_FACES)
+        apart = samples.positions[first][:, None] - samples.positions[~first]
+        assert np.linalg.norm(apart, axis=2).min() >= 0.6 * spacing
+
+
 def test_masks_go_with_it(surface):
     left = density.Height(density.Range(high=0.0), 2.0)
     masked = density.MaskedSurface(surface, [left], count=COUNT, outside=0.05)

@@ -37,6 +37,11 @@ class Domain {
   /// \pre the face belongs to the domain
   [[nodiscard]] virtual Vec3 normal(std::int32_t face) const = 0;
 
+  /// Whether the domain is made of several bodies (see Joints::bodies), and which a face is of.
+  /// \pre the face belongs to the domain
+  [[nodiscard]] virtual bool has_bodies() const { return false; }
+  [[nodiscard]] virtual std::int32_t body([[maybe_unused]] std::int32_t face) const { return 0; }
+
   [[nodiscard]] virtual double area() const = 0;
   /// Integral of the density times density_unit(), as are the cells' integrals.
   [[nodiscard]] virtual double capacity() const = 0;
@@ -93,6 +98,8 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context = nullptr) const override;
   [[nodiscard]] Vec3 normal(std::int32_t face) const override;
+  [[nodiscard]] bool has_bodies() const override;
+  [[nodiscard]] std::int32_t body(std::int32_t face) const override;
   [[nodiscard]] double area() const override { return surface_.area(); }
   [[nodiscard]] double capacity() const override;
   [[nodiscard]] double density_unit() const override;

@@ -48,6 +48,10 @@ struct Joints {
   std::span<const std::int32_t>
       edges;  ///< three per face, edge k from corner k to k + 1: equal numbers for connected edges
   std::span<const std::int32_t> places;  ///< per vertex: equal numbers for coincident vertices
+  /// Per face: equal numbers for the faces of one body, where bodies are stuck into each other.
+  /// Samples on different bodies keep their distance in space too, not only along the surface.
+  /// Empty: one body.
+  std::span<const std::int32_t> bodies = {};
 };
 
 class OrderedSurface;

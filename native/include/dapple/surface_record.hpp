@@ -18,6 +18,7 @@ struct MeshRecord {
   std::vector<std::int32_t> next_around_edge;        ///< per half-edge, in rings
   std::vector<std::int32_t> welded_vertex;           ///< per vertex
   std::vector<std::int32_t> component;               ///< per face
+  std::vector<std::int32_t> body;                    ///< per face, see Joints::bodies; or empty
   std::vector<std::array<std::int32_t, 5>> doubled;  ///< face, the one it lies on, its corners
 };
 

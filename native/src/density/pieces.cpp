@@ -32,6 +32,16 @@ std::vector<double> density_without(const Surface& surface, std::span<const std:
   return left ? density : std::vector<double>();
 }
 
+std::vector<std::int32_t> carried_bodies(const Surface& surface,
+                                         std::span<const std::int32_t> parents) {
+  const OrderedSurface& mesh = surface.ordered();
+  std::vector<std::int32_t> result;
+  if (mesh.connectivity().body.empty()) return result;
+  result.reserve(parents.size());
+  for (const std::int32_t parent : parents) result.push_back(mesh.body(mesh.ordered_face(parent)));
+  return result;
+}
+
 std::vector<double> carried_density(const Surface& surface, const Refined& refined,
                                     const Context* context) {
   std::vector<double> values;

@@ -24,6 +24,11 @@ inline EdgeMarks longer_than(double limit, const std::array<Vec3, 3>& t) {
 [[nodiscard]] std::vector<double> carried_density(const Surface& surface, const Refined& refined,
                                                   const Context* context);
 
+/// Of pieces of a surface's faces, the bodies that they are of (see Joints::bodies); empty for one.
+/// \param parents per piece, the caller's index of its face
+[[nodiscard]] std::vector<std::int32_t> carried_bodies(const Surface& surface,
+                                                       std::span<const std::int32_t> parents);
+
 /// The normals of the surface at the corners of pieces of its faces.
 [[nodiscard]] std::vector<Vec3> carried_normals(const Surface& surface, const Refined& refined,
                                                 const Context* context);

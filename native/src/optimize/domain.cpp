@@ -115,6 +115,13 @@ Vec3 SurfaceDomain::normal(std::int32_t face) const {
   return surface_.ordered().geometry(surface_.ordered().counted_face(face)).normal;
 }
 
+bool SurfaceDomain::has_bodies() const { return !surface_.ordered().connectivity().body.empty(); }
+
+std::int32_t SurfaceDomain::body(std::int32_t face) const {
+  const OrderedSurface& mesh = surface_.ordered();
+  return mesh.body(mesh.counted_face(face));
+}
+
 std::vector<bool> SurfaceDomain::on_border(const Sites& sites,
                                            const RestrictedVoronoi& diagram) const {
   return cells_on_border(sampling_surface(sites.size()), sites, diagram);

@@ -75,13 +75,24 @@ void add_up(const Objective& objective, Evaluation& state) {
   objective.restrict(state.gradient, state.normals);
 }
 
+/// The local spacing at each site of a term.
+std::vector<double> local_spacings(const Objective& objective, const Part& part, std::size_t term) {
+  const std::vector<Moments>& cells = part.energy.diagram.cells;
+  const double capacity = objective.terms[term].mean_capacity(cells.size());
+  std::vector<double> result;
+  result.reserve(cells.size());
+  for (const Moments& cell : cells) result.push_back(local_spacing(cell, capacity));
+  return result;
+}
+
 /// Evaluate the repulsion at the current radii and add up the terms again.
 void repel(const Objective& objective, Evaluation& state) {
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     Part& part = state.parts[t];
     const Term& term = objective.terms[t];
     update_repulsion(part.repulsion, part.energy.diagram, term.radii,
-                     repulsion_weight(term, part.energy.gradient.size()));
+                     repulsion_weight(term, part.energy.gradient.size()), part.strangers,
+                     objective.strangers_weight);
   }
   add_up(objective, state);
 }
@@ -147,6 +158,9 @@ void update(Evaluation& state, const Objective& objective, Sites sites, Context*
     in_stage(evaluating.context(), Stage::kCells,
              [&] { term.domain->update_cells(part.energy.diagram, mine, evaluating.context()); });
     sum_up(part.energy, term.capacity(mine.size()), objective.capacity_weight);
+    if (term.domain->has_bodies() && term.repulsion_weight > 0.0)
+      part.strangers = find_strangers(*term.domain, mine, part.energy.diagram,
+                                      local_spacings(objective, part, t));
   }
   state.discs = {};
   if (!objective.discs.empty())

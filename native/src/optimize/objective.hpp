@@ -48,6 +48,7 @@ struct Objective {
   std::vector<double> discs = {};          ///< radius of each site's disc; empty if none has one
   double discs_weight = 0.0;
   bool holds_discs = false;        ///< whether no step may make two discs overlap
+  double strangers_weight = 1.0;   ///< of their repulsion, relative to that of neighbors
   Anchoring anchoring = {};        ///< what ties the sites to where they began
   std::vector<bool> locked = {};   ///< per site, whether it stays where it is; empty: none
   const Mirror* mirror = nullptr;  ///< keeps all sites symmetric; null: they need not be
@@ -76,6 +77,7 @@ struct Objective {
 struct Part {
   Sites sites;  ///< of the term; empty if it has all
   Energy energy;
+  std::vector<Stranger> strangers;
   Repulsion repulsion;
 };
 

@@ -21,9 +21,10 @@ constexpr double kBeyond = 0.1;   // of the distance: farther sites are not push
 constexpr double kNearly = 1e-3;  // of the distance: the difference that may remain
 
 /// Call visit(i, j, offset from j to i, out) for every pair of sites whose cells touch, in
-/// parallel, and return the contents of `out`, in the order of the sites.
+/// parallel, and for strangers; return the contents of `out`, in the order of the sites.
 template <typename Found, typename Visit>
-std::vector<Found> of_touching_pairs(const RestrictedVoronoi& diagram, const Visit& visit) {
+std::vector<Found> of_close_pairs(const RestrictedVoronoi& diagram,
+                                  std::span<const Stranger> strangers, const Visit& visit) {
   const std::size_t count = diagram.cells.size();
   std::vector<std::vector<Found>> found((count + kVectorGrain - 1) / kVectorGrain);
   parallel_chunks(count, kVectorGrain, [&](std::size_t begin, std::size_t end) {
@@ -37,6 +38,8 @@ std::vector<Found> of_touching_pairs(const RestrictedVoronoi& diagram, const Vis
   });
   std::vector<Found> all;
   for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  for (const Stranger& pair : strangers)
+    visit(static_cast<std::size_t>(pair.i), static_cast<std::size_t>(pair.j), pair.offset, all);
   return all;
 }
 
@@ -54,9 +57,11 @@ double least_distance(double a, double b) {
 
 /// Sites that are nearer to a touching one than that after the moves; sorted.
 std::vector<std::size_t> crowded_sites(const RestrictedVoronoi& diagram,
-                                       const std::vector<double>& radii, const Vectors& moves) {
-  std::vector<std::size_t> sites = of_touching_pairs<std::size_t>(
-      diagram, [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<std::size_t>& out) {
+                                       const std::vector<double>& radii, const Vectors& moves,
+                                       std::span<const Stranger> strangers) {
+  std::vector<std::size_t> sites = of_close_pairs<std::size_t>(
+      diagram, strangers,
+      [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<std::size_t>& out) {
         if ((d + moves[i] - moves[j]).norm() < least_distance(radii[i], radii[j]))
           out.insert(out.end(), {i, j});
       });
@@ -64,10 +69,17 @@ std::vector<std::size_t> crowded_sites(const RestrictedVoronoi& diagram,
   return sites;
 }
 
-/// The sites and those whose cells touch theirs; sorted.
+/// The sites, those whose cells touch theirs, and strangers; sorted.
 std::vector<std::size_t> with_neighbors(const RestrictedVoronoi& diagram,
+                                        std::span<const Stranger> strangers,
                                         std::vector<std::size_t> sites) {
   const std::size_t count = sites.size();
+  const std::vector<std::size_t> given = sites;
+  for (const Stranger& pair : strangers) {
+    const auto i = static_cast<std::size_t>(pair.i), j = static_cast<std::size_t>(pair.j);
+    if (std::binary_search(given.begin(), given.end(), i)) sites.push_back(j);
+    if (std::binary_search(given.begin(), given.end(), j)) sites.push_back(i);
+  }
   for (std::size_t k = 0; k < count; ++k)
     for (const CellBoundary& side : diagram.boundary(sites[k]))
       sites.push_back(static_cast<std::size_t>(side.neighbor));
@@ -96,26 +108,33 @@ void add(Repulsion& repulsion, const Push& push) {
 }
 
 void update_repulsion(Repulsion& repulsion, const RestrictedVoronoi& diagram,
-                      const std::vector<double>& radii, double weight) {
+                      const std::vector<double>& radii, double weight,
+                      std::span<const Stranger> strangers, double stronger) {
   repulsion.energy = 0.0;
   repulsion.pairs.clear();
   repulsion.gradient.resize(diagram.cells.size());
   for_each_vector(diagram.cells.size(), [&](std::size_t k) { repulsion.gradient[k].setZero(); });
   if (weight == 0.0 || radii.empty()) return;
-  const auto pushes = of_touching_pairs<Push>(
-      diagram, [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<Push>& out) {
+  const auto pushes = of_close_pairs<Push>(
+      diagram, {}, [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<Push>& out) {
         if (const auto push = push_between(i, j, d, 0.5 * (radii[i] + radii[j]), weight))
           out.push_back(*push);
       });
   for (const Push& push : pushes) add(repulsion, push);
+  for (const Stranger& pair : strangers) {
+    const auto i = static_cast<std::size_t>(pair.i), j = static_cast<std::size_t>(pair.j);
+    const double radius = 0.5 * (radii[i] + radii[j]);
+    if (const auto push = push_between(i, j, pair.offset, radius, stronger * weight))
+      add(repulsion, *push);
+  }
 }
 
 std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
-                               Vectors& moves) {
+                               Vectors& moves, std::span<const Stranger> strangers) {
   if (radii.empty()) return 0;
   using Pair = std::array<std::size_t, 2>;
-  const auto near = of_touching_pairs<Pair>(
-      diagram, [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<Pair>& out) {
+  const auto near = of_close_pairs<Pair>(
+      diagram, strangers, [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<Pair>& out) {
         const double least = std::min(kNear * 0.5 * (radii[i] + radii[j]), d.norm());
         if ((d + moves[i] - moves[j]).norm() < least) out.push_back({i, j});
       });
@@ -128,24 +147,33 @@ std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vect
 
 std::vector<Contact> crowded_contacts(const RestrictedVoronoi& diagram,
                                       const std::vector<double>& radii, const Vectors& normals,
-                                      const std::vector<bool>& locked, const Vectors& moves) {
+                                      const std::vector<bool>& locked, const Vectors& moves,
+                                      std::span<const Stranger> strangers) {
   std::vector<Contact> contacts;
   if (radii.empty()) return contacts;
-  const std::vector<std::size_t> crowded = crowded_sites(diagram, radii, moves);
+  const std::vector<std::size_t> crowded = crowded_sites(diagram, radii, moves, strangers);
   if (crowded.empty() ||
       static_cast<double>(crowded.size()) > kFew * static_cast<double>(radii.size()))
     return contacts;
   const Planes planes{normals, locked};
-  const std::vector<std::size_t> around = with_neighbors(diagram, crowded);
+  const std::vector<std::size_t> around = with_neighbors(diagram, strangers, crowded);
+  const auto is_around = [&](std::size_t k) {
+    return std::binary_search(around.begin(), around.end(), k);
+  };
+  const auto keep = [&](std::size_t i, std::size_t j, const Vec3& d) {
+    const double least = least_distance(radii[i], radii[j]);
+    if (d.squaredNorm() > 0.0 && (d + moves[i] - moves[j]).norm() <= (1.0 + kBeyond) * least)
+      add_contact(planes, i, j, d, least, kNearly * least, contacts);
+  };
   for (const std::size_t i : around)
     for (const CellBoundary& side : diagram.boundary(i)) {
       const auto j = static_cast<std::size_t>(side.neighbor);
-      if (j <= i && (j == i || std::binary_search(around.begin(), around.end(), j))) continue;
-      const Vec3 d = -side.offset;
-      const double least = least_distance(radii[i], radii[j]);
-      if (d.squaredNorm() > 0.0 && (d + moves[i] - moves[j]).norm() <= (1.0 + kBeyond) * least)
-        add_contact(planes, i, j, d, least, kNearly * least, contacts);
+      if (j > i || (j < i && !is_around(j))) keep(i, j, -side.offset);
     }
+  for (const Stranger& pair : strangers) {
+    const auto i = static_cast<std::size_t>(pair.i), j = static_cast<std::size_t>(pair.j);
+    if (is_around(i) || is_around(j)) keep(i, j, pair.offset);
+  }
   return contacts;
 }
 

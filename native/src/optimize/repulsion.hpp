@@ -6,6 +6,7 @@
 
 #include "base/vectors.hpp"
 #include "optimize/contacts.hpp"
+#include "optimize/strangers.hpp"
 
 namespace dapple {
 
@@ -42,14 +43,16 @@ void add(Repulsion& repulsion, const Push& push);
 /// The repulsion between sites with adjacent cells, in the memory of `repulsion`.
 /// \param radii  r_i per site; r_ij is the mean of the two; empty for no repulsion
 /// \param weight kappa (|S|_phi / n)^2
+/// \param strangers pairs that repel each other though their cells do not touch
 void update_repulsion(Repulsion& repulsion, const RestrictedVoronoi& diagram,
-                      const std::vector<double>& radii, double weight);
+                      const std::vector<double>& radii, double weight,
+                      std::span<const Stranger> strangers = {}, double stronger = 1.0);
 
 /// Halve the moves of touching sites that would bring two of them nearer than r_ij and than they
 /// are: neither the repulsion's gradient nor its stiffness knows of pairs farther apart so far.
 /// \return how many sites that were
 std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
-                               Vectors& moves);
+                               Vectors& moves, std::span<const Stranger> strangers = {});
 
 /// Pairs of touching sites to be kept apart by kLeast r_ij: those that moves leave nearer, and
 /// those around them. None if many are that near, as in white noise. \param normals of the surface,
@@ -58,7 +61,8 @@ std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vect
                                                     const std::vector<double>& radii,
                                                     const Vectors& normals,
                                                     const std::vector<bool>& locked,
-                                                    const Vectors& moves);
+                                                    const Vectors& moves,
+                                                    std::span<const Stranger> strangers = {});
 
 /// The closest of the pairs; null if there is none.
 [[nodiscard]] const ClosePair* worst_pair(const Repulsion& repulsion);

@@ -38,8 +38,8 @@ Vectors keep_apart(const Objective& objective, const Evaluation& state, Vectors 
   if (objective.terms.size() > 1) return direction;
   Vectors full = direction;
   for (int pass = 0; pass < kPasses; ++pass) {
-    const std::size_t shortened =
-        shorten_approaches(state.diagram(), objective.terms[0].radii, direction);
+    const std::size_t shortened = shorten_approaches(state.diagram(), objective.terms[0].radii,
+                                                     direction, state.parts[0].strangers);
     if (static_cast<double>(shortened) > kMostHeld * static_cast<double>(direction.size()))
       return full;
     if (shortened == 0) break;
@@ -75,12 +75,14 @@ void separate_crowded(const Objective& objective, const Evaluation& state, Vecto
     const RestrictedVoronoi& diagram = state.parts[t].energy.diagram;
     const std::vector<double> radii = radii_now(objective, state, t);
     if (members.empty()) {
-      all = crowded_contacts(diagram, radii, state.normals, objective.locked, direction);
+      all = crowded_contacts(diagram, radii, state.normals, objective.locked, direction,
+                             state.parts[t].strangers);
       continue;
     }
-    for (Contact contact : crowded_contacts(diagram, radii, select_values(state.normals, members),
-                                            select_values(objective.locked, members),
-                                            select_values(direction, members))) {
+    for (Contact contact :
+         crowded_contacts(diagram, radii, select_values(state.normals, members),
+                          select_values(objective.locked, members),
+                          select_values(direction, members), state.parts[t].strangers)) {
       contact.i = static_cast<std::size_t>(members[contact.i]);
       contact.j = static_cast<std::size_t>(members[contact.j]);
       all.push_back(contact);

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kAcute = 0.1;       // cosine of the angle between normals
 constexpr double kMostInset = 0.25;  // of the height of a face
+constexpr double kFarthest = 1.5;    // times the distance: the longest way that a sample moves
 
 /// The samples on other faces, with all other data unchanged.
 Samples rebound(const Surface& surface, std::span<const std::int32_t> faces,
@@ -57,11 +58,16 @@ class Inset {
   [[nodiscard]] Vec3 weights(std::int32_t face, Vec3 weights) const {
     if (distance_ <= 0.0) return weights;
     const OrderedFace ordered = mesh_.ordered_face(face);
+    const Vec3 before = weights;
     for (std::int32_t k = 0; k < 3; ++k)
       if (is_outer(mesh_, half_edge(ordered, k))) leave_edge(ordered, k, weights);
     for (std::int32_t k = 0; k < 3; ++k)
       if (is_end(mesh_.welded_corners(ordered)[as_index(k)])) leave_corner(ordered, k, weights);
-    return weights;
+    // In a needle the way to another corner is far longer than the distance to the edge.
+    const double way = (mesh_.point(ordered, weights) - mesh_.point(ordered, before)).norm();
+    return way <= kFarthest * distance_
+               ? weights
+               : Vec3(between(before, weights, kFarthest * distance_ / way));
   }
 
  private:

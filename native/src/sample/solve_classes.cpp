@@ -10,6 +10,7 @@
 #include "base/progress.hpp"
 #include "optimize/discs.hpp"
 #include "optimize/forecast.hpp"
+#include "optimize/mending.hpp"
 #include "rebalance/rebalance.hpp"
 #include "sample/outcome.hpp"
 #include "sample/subdivided_start.hpp"
@@ -486,6 +487,8 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
             : solve(std::move(objective), start, options.sample.optimizer, finishing.context());
   if (thin) go_on_along(found, options.sample.optimizer, going_on.context());
   if (plain) move_over(problem, options, found, moving.context());
+  if (plain)
+    mend_places(found.objective, options.sample.optimizer, found.minimum, moving.context());
   found.minimum.count(before);
   return found;
 }

@@ -320,11 +320,23 @@ class Cutter {
     return added;
   }
 
+  /// Per new face: parts of the surface that are not connected are bodies of their own, unless the
+  /// surface knows better.
+  [[nodiscard]] std::vector<std::int32_t> bodies() const {
+    std::vector<std::int32_t> result = carried_bodies(surface_, result_.parents);
+    if (!result.empty() || mesh_.components() == 1) return result;
+    result.reserve(result_.parents.size());
+    for (const std::int32_t parent : result_.parents)
+      result.push_back(mesh_.component(mesh_.ordered_face(parent)));
+    return result;
+  }
+
   Refined finish() {
     const std::vector<double> density = carried_density(surface_, result_, context_);
-    result_.surface =
-        Surface(result_.vertices(vertices_), new_faces_, Density{DensityAt::kCorners, density},
-                Joints{edges_, places_}, surface_.sharp_angle(), /*merge_doubled=*/false, context_);
+    const std::vector<std::int32_t> found = bodies();
+    result_.surface = Surface(result_.vertices(vertices_), new_faces_,
+                              Density{DensityAt::kCorners, density}, Joints{edges_, places_, found},
+                              surface_.sharp_angle(), /*merge_doubled=*/false, context_);
     if (surface_.has_normals())
       result_.surface = result_.surface.with_normals(carried_normals(surface_, result_, context_));
     return std::move(result_);

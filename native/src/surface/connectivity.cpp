@@ -251,11 +251,11 @@ Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces
 }
 
 Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
-                     std::span<const std::int32_t> edges, std::span<const std::int32_t> places,
-                     bool merge_doubled, Context* context) {
+                     const Joints& joints, bool merge_doubled, Context* context) {
   Connectivity result = ordered_faces(vertices, faces, context);
   result.merge_doubled = merge_doubled;
-  link(edges, places, result, context);
+  link(joints.edges, joints.places, result, context);
+  result.body = gather<std::int32_t>(joints.bodies, result.original_face);
   if (context) context->advance(kWelded);
   find_components(result, context);
   return result;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dapple/context.hpp>
+#include <dapple/surface.hpp>
 #include <dapple/types.hpp>
 #include <memory>
 #include <mutex>
@@ -33,6 +34,7 @@ struct Connectivity {
   std::vector<std::int32_t> welded_vertex;     // per ordered vertex, see OrderedSurface::welded
   std::vector<std::int32_t> component;         // per ordered face; connected over edges
   std::int32_t components = 0;
+  std::vector<std::int32_t> body;    // per ordered face, see Joints::bodies; empty: one
   bool merge_doubled = true;         // see SurfaceOptions
   std::vector<DoubledFace> doubled;  // sorted by face; each is in the component of the other
   std::shared_ptr<LazyFaceEdges> face_edges = std::make_shared<LazyFaceEdges>();
@@ -44,14 +46,11 @@ struct Connectivity {
                                    std::optional<double> weld, bool merge_doubled,
                                    Context* context = nullptr);
 
-/// Connect faces over the edges that the caller has identified (see Joints).
-/// \param edges per face three.
-/// \param places per vertex
+/// Connect faces over the edges that the caller has identified.
 /// \pre the faces' vertices exist, and the lengths match.
 /// \throw Cancelled
 [[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
-                                   std::span<const std::int32_t> edges,
-                                   std::span<const std::int32_t> places, bool merge_doubled,
+                                   const Joints& joints, bool merge_doubled,
                                    Context* context = nullptr);
 
 }  // namespace dapple

@@ -113,6 +113,10 @@ class OrderedSurface {
   [[nodiscard]] std::int32_t component(OrderedFace face) const {
     return connectivity_->component[as_index(face)];
   }
+  /// The body that a face is of (see Joints::bodies); 0 if there is one alone.
+  [[nodiscard]] std::int32_t body(OrderedFace face) const {
+    return connectivity_->body.empty() ? 0 : connectivity_->body[as_index(face)];
+  }
   /// The lowest vertex of the welded group of a vertex.
   [[nodiscard]] std::int32_t welded(std::int32_t vertex) const {
     return connectivity_->welded_vertex[static_cast<std::size_t>(vertex)];

@@ -89,6 +89,9 @@ void check_joints(const Joints& joints, std::size_t vertices, std::size_t faces)
                        std::to_string(joints.places.size()) + " places for " +
                        std::to_string(faces) + " faces and " + std::to_string(vertices) +
                        " vertices: three per face and one per vertex are needed");
+  if (!joints.bodies.empty() && joints.bodies.size() != faces)
+    throw SurfaceError("joints has " + std::to_string(joints.bodies.size()) + " bodies for " +
+                       std::to_string(faces) + " faces: one per face, or none, is needed");
 }
 
 void check_sharp_angle(double degrees) {
@@ -152,10 +155,9 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
   check_joints(joints, vertices.size(), faces.size());
   check_sharp_angle(sharp_angle);
   Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
-  const OrderedSurface plain(
-      vertices,
-      connect(vertices, faces, joints.edges, joints.places, merge_doubled, connecting.context()),
-      density, measuring.context());
+  const OrderedSurface plain(vertices,
+                             connect(vertices, faces, joints, merge_doubled, connecting.context()),
+                             density, measuring.context());
   ordered_ = shaded_by_angle(plain, sharp_angle);
   if (context) context->advance(1.0);
 }

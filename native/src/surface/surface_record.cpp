@@ -64,14 +64,22 @@ void check_record(const MeshRecord& record) {
   check_indices("welded_vertex", record.welded_vertex, vertices);
   check_length("component", record.component.size(), faces);
   check_indices("component", record.component, faces);
+  if (!record.body.empty()) check_length("body", record.body.size(), faces);
 }
 
 }  // namespace
 
 MeshRecord record_of(const Connectivity& mesh) {
-  MeshRecord record{mesh.weld,          mesh.merge_doubled,   mesh.faces,
-                    mesh.original_face, mesh.original_vertex, mesh.next_around_edge,
-                    mesh.welded_vertex, mesh.component,       {}};
+  MeshRecord record{mesh.weld,
+                    mesh.merge_doubled,
+                    mesh.faces,
+                    mesh.original_face,
+                    mesh.original_vertex,
+                    mesh.next_around_edge,
+                    mesh.welded_vertex,
+                    mesh.component,
+                    mesh.body,
+                    {}};
   for (const DoubledFace& one : mesh.doubled)
     record.doubled.push_back({static_cast<std::int32_t>(one.face),
                               static_cast<std::int32_t>(one.counted), one.corners[0],
@@ -91,6 +99,7 @@ std::shared_ptr<const Connectivity> restored(MeshRecord record) {
   mesh->next_around_edge = std::move(record.next_around_edge);
   mesh->welded_vertex = std::move(record.welded_vertex);
   mesh->component = std::move(record.component);
+  mesh->body = std::move(record.body);
   mesh->ordered_face.resize(mesh->faces.size());
   for (std::size_t f = 0; f < mesh->faces.size(); ++f) {
     mesh->ordered_face[static_cast<std::size_t>(mesh->original_face[f])] = nth_face(f);

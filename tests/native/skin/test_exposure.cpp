@@ -124,6 +124,23 @@ TEST(CutAtCrossings, KeepsTheShapeAndConnectsTheParts) {
     }
 }
 
+TEST(CutAtCrossings, TellsTheBodiesApart) {
+  const Surface surface = two_balls(2).surface();
+  const Refined cut = cut_at_crossings(surface);
+  const Refined again = cut.then(refine_edges(cut.surface, std::vector{0.1}, 1'000'000));
+  for (const Refined& refined : {cut, again}) {
+    const OrderedSurface& mesh = refined.surface.ordered();
+    const auto of_one = static_cast<std::int32_t>(surface.face_count() / 2);
+    const std::int32_t first = mesh.body(mesh.ordered_face(0));
+    for (std::size_t f = 0; f < refined.parents.size(); ++f) {
+      const std::int32_t body = mesh.body(mesh.ordered_face(static_cast<std::int32_t>(f)));
+      ASSERT_EQ(body == first, refined.parents[f] < of_one) << f;
+    }
+  }
+  const Refined alone = cut_at_crossings(icosphere(2).surface());
+  EXPECT_TRUE(alone.surface.ordered().connectivity().body.empty());
+}
+
 TEST(CutAtCrossings, LeavesPartsTheirOwnWhenTheyMoveApart) {
   const Shape ball = icosphere(2);
   const Shape shape = two_balls(2);
@@ -297,6 +314,22 @@ TEST(RefineOutside, ItsSamplesLeaveTheBorderOfTheDensityAtCornersToo) {
     }
   const Samples corners = bind_samples(refined.surface, faces, weights);
   for (const Vec3& place : to_original(refined, corners).positions) EXPECT_GT(place.x(), 0.52);
+}
+
+TEST(RefineOutside, ItsSamplesDoNotLeaveTheBorderAlongNeedles) {
+  // The needle's far corner is 0.9 away, its height over the edge to the face without density 0.1.
+  const std::vector<Vec3> vertices = {{0, 0, 0}, {0.2, 0, 0}, {1, 0.1, 0}, {0.1, -1, 0}};
+  const std::vector<Face> faces = {{0, 1, 2}, {1, 0, 3}};
+  const std::vector<double> density = {1.0, 0.0};
+  const Surface surface(vertices, faces, Density{DensityAt::kFaces, density});
+  const std::vector<double> whole(1, std::numeric_limits<double>::infinity());
+  Refined refined = refine_edges(surface, whole, 10);
+  refined.inset = 0.05;
+  const std::vector<std::int32_t> on = {0};
+  const std::vector<Vec3> weights = {{0.5, 0.5, 0.0}};
+  const Samples moved = to_original(refined, bind_samples(refined.surface, on, weights));
+  EXPECT_GT(moved.positions[0].y(), 0.005);
+  EXPECT_LT((moved.positions[0] - Vec3(0.1, 0.0, 0.0)).norm(), 2.0 * refined.inset);
 }
 
 TEST(RefineOutside, StopsAtTheLimitOfFaces) {

@@ -313,6 +313,15 @@ TEST(Surface, RefusesCoordinatesWhoseAreaOverflows) {
   expect_message<SurfaceError>([&] { (void)huge.surface(); }, {"vertices"});
 }
 
+TEST(Surface, RefusesBodiesOfAnotherLength) {
+  const std::vector<Vec3> vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<Face> faces = {{0, 1, 2}};
+  const std::vector<std::int32_t> edges = {0, 1, 2}, places = {0, 1, 2}, bodies = {0, 0};
+  expect_message<SurfaceError>(
+      [&] { (void)Surface(vertices, faces, Density{}, Joints{edges, places, bodies}); },
+      {"joints has 2 bodies for 1 faces"});
+}
+
 TEST(Surface, RefusesToDeformBadly) {
   const Surface surface = grid(2).surface();
   std::vector<Vec3> vertices = surface.vertices();
