@@ -23,7 +23,9 @@ class Domain {
 
   /// The same in the memory of `diagram`, whatever it held, so that repeated evaluations do not
   /// allocate. After an error its contents are unspecified.
-  virtual void update_cells(RestrictedVoronoi& diagram, const Sites& sites,
+  /// \param set  which of several sets of sites that are evaluated in turn this is, from 0 on: what
+  /// is known of the last sites of each is kept. The cells do not depend on it
+  virtual void update_cells(RestrictedVoronoi& diagram, const Sites& sites, std::size_t set,
                             Context* context) const = 0;
 
   /// The nearest points of the domain, each with its face; `hints` are faces near the points.
@@ -93,7 +95,7 @@ class SurfaceDomain final : public Domain {
   explicit SurfaceDomain(const Surface& surface, Cells cells = Cells::kConnected,
                          KnownSides sides = std::nullopt, EmptyFaces empty = EmptyFaces::kCovered);
 
-  void update_cells(RestrictedVoronoi& diagram, const Sites& sites,
+  void update_cells(RestrictedVoronoi& diagram, const Sites& sites, std::size_t set,
                     Context* context) const override;
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context = nullptr) const override;

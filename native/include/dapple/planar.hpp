@@ -65,7 +65,7 @@ class Plane : public FlatDomain {
   /// The same domain as a flat mesh.
   [[nodiscard]] const Surface& surface() const { return surface_; }
 
-  void update_cells(RestrictedVoronoi& diagram, const Sites& sites,
+  void update_cells(RestrictedVoronoi& diagram, const Sites& sites, std::size_t set,
                     Context* context) const override;
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context = nullptr) const override;
@@ -110,7 +110,7 @@ class Torus final : public FlatDomain {
   /// is 0 or not finite
   explicit Torus(const Image& density);
 
-  void update_cells(RestrictedVoronoi& diagram, const Sites& sites,
+  void update_cells(RestrictedVoronoi& diagram, const Sites& sites, std::size_t set,
                     Context* context) const override;
   /// Every point lies on the torus, so this finds the faces. Points where the density is 0 move to
   /// where it is positive.

@@ -29,7 +29,7 @@ double Domain::spacing(std::size_t count) const {
 
 RestrictedVoronoi Domain::cells(const Sites& sites, Context* context) const {
   RestrictedVoronoi diagram;
-  update_cells(diagram, sites, context);
+  update_cells(diagram, sites, 0, context);
   return diagram;
 }
 
@@ -41,16 +41,16 @@ SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, KnownSides sid
       cell_surfaces_(std::make_shared<CellSurfaces>(cells, std::move(sides))),
       builders_(std::make_shared<CellBuilders>()) {}
 
-void SurfaceDomain::update_cells(RestrictedVoronoi& diagram, const Sites& sites,
+void SurfaceDomain::update_cells(RestrictedVoronoi& diagram, const Sites& sites, std::size_t set,
                                  Context* context) const {
   check_sites(surface_, sites);
   Stretch cutting(context, 0.0, kCut), dividing(context, kCut, 1.0);
   const CellSurface on = cell_surfaces_->at(surface_, sites.size(), cutting.context());
   if (!on.cut)
-    return builders_->build(on.uncut(surface_), sites, cells_, empty_ == EmptyFaces::kLeft, context,
+    return builders_->build(on.uncut(surface_), set, sites, cells_, empty_ == EmptyFaces::kLeft, context,
                             diagram);
-  builders_->build(on.cut->surface(), on.cut->on_pieces(sites), cells_, empty_ == EmptyFaces::kLeft,
-                   dividing.context(), diagram);
+  builders_->build(on.cut->surface(), set, on.cut->on_pieces(sites), cells_,
+                   empty_ == EmptyFaces::kLeft, dividing.context(), diagram);
   remove_unit(diagram, on.cut->surface().ordered().density_unit() / density_unit());
 }
 

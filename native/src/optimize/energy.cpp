@@ -58,7 +58,7 @@ void update_energy(Energy& energy, const Domain& domain, const Sites& sites, dou
                    Context* context) {
   domain.check(sites);
   check_at_least("capacity_weight", capacity_weight, 0.0);
-  in_stage(context, Stage::kCells, [&] { domain.update_cells(energy.diagram, sites, context); });
+  in_stage(context, Stage::kCells, [&] { domain.update_cells(energy.diagram, sites, 0, context); });
   sum_up(energy, domain.capacity(), capacity_weight);
 }
 

@@ -186,7 +186,8 @@ Plane Plane::polygon(const std::vector<Vec2>& outline, std::span<const std::vect
   return {polygon_surface(outline, holes), Vec2::Zero(), nullptr};
 }
 
-void Plane::update_cells(RestrictedVoronoi& diagram, const Sites& sites, Context* context) const {
+void Plane::update_cells(RestrictedVoronoi& diagram, const Sites& sites, std::size_t /*set*/,
+                         Context* context) const {
   if (context) context->check();
   Stretch cutting(context, 0.0, kCut);
   // A rectangle is convex, so straight lines between its points stay inside.
@@ -273,7 +274,8 @@ Vec2 Torus::canonical(const Vec3& position) const {
   return {wrap(position.x()), wrap(position.y())};
 }
 
-void Torus::update_cells(RestrictedVoronoi& diagram, const Sites& sites, Context* context) const {
+void Torus::update_cells(RestrictedVoronoi& diagram, const Sites& sites, std::size_t /*set*/,
+                         Context* context) const {
   if (context) context->check();
   Sites wrapped;
   wrapped.positions.resize(sites.size());

@@ -137,7 +137,7 @@ RasterDomain::RasterDomain(Image density)
       frame_(rectangle(size_)) {}
 
 // Only the first of coincident sites has a cell.
-void RasterDomain::update_cells(RestrictedVoronoi& result, const Sites& sites,
+void RasterDomain::update_cells(RestrictedVoronoi& result, const Sites& sites, std::size_t /*set*/,
                                 Context* context) const {
   const FlatSites places =
       in_stage(context, Stage::kNeighbors, [&] { return FlatSites(sites.positions, false); });

@@ -16,7 +16,7 @@ class RasterDomain final : public Domain {
   /// \throw ArgumentError as check_image("density", density)
   explicit RasterDomain(Image density);
 
-  void update_cells(RestrictedVoronoi& diagram, const Sites& sites,
+  void update_cells(RestrictedVoronoi& diagram, const Sites& sites, std::size_t set,
                     Context* context) const override;
   /// The nearest points in pixels with density.
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,

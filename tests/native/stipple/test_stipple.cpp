@@ -148,7 +148,7 @@ TEST(StippleCells, OverwriteOthers) {
   Sites sites = random_sites(domain, image, 20);
   RestrictedVoronoi kept = domain.cells(sites, nullptr);
   sites.positions[3] = sites.positions[7] = sites.positions[11];
-  domain.update_cells(kept, sites, nullptr);
+  domain.update_cells(kept, sites, 0, nullptr);
   const RestrictedVoronoi fresh = domain.cells(sites, nullptr);
   ASSERT_EQ(kept.boundaries.size(), fresh.boundaries.size());
   for (std::size_t k = 0; k < sites.size(); ++k) {
