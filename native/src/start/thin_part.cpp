@@ -22,6 +22,7 @@ namespace {
 constexpr double kNarrow = 3.2;       // spacings: largest circumference of a thin body
 constexpr double kLong = 5.0;         // length relative to the circumference
 constexpr double kWide = 0.02;        // share of the density in wider slabs, such as ends and knots
+constexpr double kMostlyWide = 0.5;   // share of it in slabs as high as the spacing: not thin
 constexpr double kFirstSlabs = 64.0;  // slabs to measure the total length of all branches
 constexpr double kSlabs = 4.0;        // slabs per point
 constexpr double kMostPieces = 0x1p24;  // most pieces of faces; with more, it is not tried
@@ -97,10 +98,11 @@ class Course {
     find_distances(random);
     if (!(length_ > 0.0) || !std::isfinite(length_)) return std::nullopt;
     if (!divide(kFirstSlabs)) return std::nullopt;
-    const double along = height_ * static_cast<double>(nodes_.size());
-    if (!divide(std::ceil(kSlabs * static_cast<double>(count) * length_ / along)))
-      return std::nullopt;
-    if (!is_thin(count)) return std::nullopt;
+    const double slabs = std::ceil(kSlabs * static_cast<double>(count) * length_ / along());
+    // Thin slabs cut each face of a wide body into many pieces.
+    const double few = std::ceil(length_ / hexagonal_spacing(area() / static_cast<double>(count)));
+    if (few < slabs && (!divide(few) || wide_share(count) > kMostlyWide)) return std::nullopt;
+    if (!divide(slabs) || !is_thin(count)) return std::nullopt;
     visit();
     return take(count, phase, random);
   }
@@ -276,19 +278,30 @@ class Course {
     if (capacity > 0.0) node.pieces.push_back(piece);
   }
 
-  /// Whether the component is long and its circumference almost everywhere at most a few spacings.
-  [[nodiscard]] bool is_thin(std::size_t count) const {
-    double all = 0.0, wide = 0.0, area = 0.0;
+  /// The length of all branches, as far as slabs separate them.
+  [[nodiscard]] double along() const { return height_ * static_cast<double>(nodes_.size()); }
+
+  [[nodiscard]] double area() const {
+    double sum = 0.0;
+    for (const Node& node : nodes_) sum += node.area;
+    return sum;
+  }
+
+  /// The share of the density where the circumference is more than a few spacings.
+  [[nodiscard]] double wide_share(std::size_t count) const {
+    double all = 0.0, wide = 0.0;
     for (const Node& node : nodes_) all += node.capacity;
     const double share = all / static_cast<double>(count);
-    for (const Node& node : nodes_) {
-      area += node.area;
+    for (const Node& node : nodes_)
       if (node.capacity > 0.0 &&
           node.area / height_ > kNarrow * hexagonal_spacing(share * node.area / node.capacity))
         wide += node.capacity;
-    }
-    const double along = height_ * static_cast<double>(nodes_.size());
-    return all > 0.0 && wide <= kWide * all && along * along >= kLong * area;
+    return all > 0.0 ? wide / all : 1.0;
+  }
+
+  /// Whether the component is long and its circumference almost everywhere at most a few spacings.
+  [[nodiscard]] bool is_thin(std::size_t count) const {
+    return wide_share(count) <= kWide && along() * along() >= kLong * area();
   }
 
   /// Visit all nodes, branch by branch.
