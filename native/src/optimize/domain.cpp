@@ -47,8 +47,8 @@ void SurfaceDomain::update_cells(RestrictedVoronoi& diagram, const Sites& sites,
   Stretch cutting(context, 0.0, kCut), dividing(context, kCut, 1.0);
   const CellSurface on = cell_surfaces_->at(surface_, sites.size(), cutting.context());
   if (!on.cut)
-    return builders_->build(on.uncut(surface_), set, sites, cells_, empty_ == EmptyFaces::kLeft, context,
-                            diagram);
+    return builders_->build(on.uncut(surface_), set, sites, cells_, empty_ == EmptyFaces::kLeft,
+                            context, diagram);
   builders_->build(on.cut->surface(), set, on.cut->on_pieces(sites), cells_,
                    empty_ == EmptyFaces::kLeft, dividing.context(), diagram);
   remove_unit(diagram, on.cut->surface().ordered().density_unit() / density_unit());

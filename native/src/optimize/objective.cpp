@@ -155,8 +155,9 @@ void update(Evaluation& state, const Objective& objective, Sites sites, Context*
     Stretch evaluating(context, t, objective.terms.size());
     if (!term.members.empty()) select(state.sites, term.members, part.sites);
     const Sites& mine = term.members.empty() ? state.sites : part.sites;
-    in_stage(evaluating.context(), Stage::kCells,
-             [&] { term.domain->update_cells(part.energy.diagram, mine, t, evaluating.context()); });
+    in_stage(evaluating.context(), Stage::kCells, [&] {
+      term.domain->update_cells(part.energy.diagram, mine, t, evaluating.context());
+    });
     sum_up(part.energy, term.capacity(mine.size()), objective.capacity_weight);
     if (term.domain->has_bodies() && term.repulsion_weight > 0.0)
       part.strangers = find_strangers(*term.domain, mine, part.energy.diagram,

@@ -36,6 +36,7 @@ constexpr int kThinnings = 6;                           // rounds of taking site
 constexpr int kApproaches = 60;                         // rounds of adding sites at far places
 constexpr int kSettlings = 4;                           // of them, after which others move
 constexpr int kFreeRings = 3;                  // around sites that are gone, which make room
+constexpr double kRough = 10.0;                // times the tolerance, beside lines that changed
 constexpr int kFewEvaluations = 12;            // after local changes
 constexpr double kFirst = 0.6, kSecond = 0.9;  // of the progress, if it is done again
 constexpr double kFiner = 0.5;                 // spacings: their edges
@@ -192,9 +193,11 @@ class Remesher {
     const ClassProblem problem = problem_of(all);
     std::vector<bool> locked(sites.size(), false);
     std::fill_n(locked.begin(), on_lines.size(), true);
+    OptimizerOptions optimizer = options_.optimizer;
+    optimizer.tolerance *= kRough;
     return dapple::solve(
         make_objective(problem, class_of_sites(problem), class_options(options_), locked), sites,
-        options_.optimizer, context);
+        optimizer, context);
   }
 
   /// Sites on the edges of thin walls belong to both sides, which are not taken apart then.
