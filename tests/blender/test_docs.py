@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The statements of docs/add-on.md are true."""
 
+import importlib
 import json
 import re
 from pathlib import Path
@@ -55,6 +56,20 @@ def test_the_script_for_assets_runs(tmp_path, monkeypatch):
     (script,) = SCRIPTS[2:]
     exec(script, {"bpy": bpy})
     assert bpy.data.objects["Meadow Scatter Asset"].dapple.report.count == 50
+
+
+def test_the_table_of_clicks_has_all_tasks_within_their_goals(tmp_path, monkeypatch):
+    monkeypatch.setenv("DAPPLE_SHOTS", str(tmp_path))
+    tasks = importlib.import_module("benchmarks.addon.tasks").TASKS
+    found = re.findall(
+        r"^\| (.+) \| (\d+) \| ([\d-]+) \| ([\d-]+) \|$", TEXT.split("## Clicks")[1], re.M
+    )
+    rows = [row for row in found if row[0][0].islower()]
+    assert len(rows) == len(tasks)
+    for (told, clicks, *own), (name, goal, _, *blenders) in zip(rows, tasks, strict=True):
+        assert told.startswith(name.split(":")[0].lower()) or name.startswith("Classes"), name
+        assert int(clicks) <= goal, name
+        assert own == ["-" if steps is None else str(len(steps)) for steps in blenders], name
 
 
 def test_the_script_for_the_spray_brush_runs():
