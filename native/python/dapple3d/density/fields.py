@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .._native import Surface, seen_from
 from .arrays import Flags, Floats, Ints, longest_edges, shaped
@@ -247,9 +247,12 @@ class Camera(Field):
         self._bodies = [Surface(*mesh) for mesh in meshes]
         self._eye, self._longest = _eye_of(clip), longest
 
-    def _inside(self, points: Floats) -> Flags:
+    def _beyond(self, points: Floats) -> NDArray[np.uint8]:
+        """Of each point (n,), the planes that it is beyond, as bits."""
         signed: Floats = points @ self._planes[:, :3].T + self._planes[:, 3]
-        found: Flags = signed >= 0.0
+        found = np.zeros(len(points), dtype=np.uint8)
+        for k in range(len(self._planes)):
+            found[~(signed[:, k] >= 0.0)] |= np.uint8(1 << k)
         return found
 
     def _seen(self, points: Floats) -> Flags:
@@ -260,15 +263,14 @@ class Camera(Field):
         return found
 
     def values(self, points: Floats) -> Floats:
-        seen: Flags = np.all(self._inside(points), axis=1)
+        seen: Flags = self._beyond(points) == 0
         seen[seen] = self._seen(points[seen])
         return seen.astype(np.float64)
 
     def changes(self, points: Floats, faces: Ints) -> Flags:
-        inside = self._inside(points)[faces]  # (m, 3 corners, 5 planes)
-        beyond: Flags = np.any(np.all(~inside, axis=1), axis=1)  # all of them beyond one plane
-        within: Flags = np.all(inside, axis=(1, 2))
-        found: Flags = ~beyond & ~within
+        a, b, c = self._beyond(points)[faces.T]
+        beyond: Flags = (a & b & c) != 0  # all of them beyond one plane
+        found: Flags = ~beyond & ((a | b | c) != 0)
         if self._bodies:
             rows = np.flatnonzero(~beyond & ~found)
             seen = self._seen_of_faces(points, faces[rows])
@@ -277,7 +279,7 @@ class Camera(Field):
         return found
 
     def at_corners(self, points: Floats, faces: Ints) -> Floats:
-        inside: Flags = np.all(self._inside(points)[faces], axis=2)
+        inside: Flags = (self._beyond(points) == 0)[faces]
         rows = np.flatnonzero(inside.any(axis=1))
         if self._bodies:
             seen: Flags = np.all(self._seen_of_faces(points, faces[rows]), axis=1)

@@ -166,7 +166,7 @@ class MaskedSurface:
     @property
     def original(self) -> Surface:
         """The surface with the faces that were given."""
-        return self._original if self._refined is None else self._refined.original
+        return self._original
 
     @property
     def is_cut(self) -> bool:
@@ -392,8 +392,6 @@ class MaskedSurface:
             return needs_cut(fields, places, self.surface.faces, lengths, target)
 
         self._halve(long)
-        if self._refined is None:
-            self._extend(refine_edges(self.surface, np.inf))
         self._take_away(fields, balls or (np.empty((0, 3)), np.empty(0)))
 
     def _halve(self, long: Callable[[Floats], Flags]) -> None:
@@ -496,5 +494,6 @@ def _blocked(fields: Sequence[Field], surface: Surface) -> Flags:
 def _spacing(surface: Surface, density: Floats, count: int) -> float:
     """Of so many points, packed as well as can be on what the density leaves of a surface."""
     areas = face_areas(surface.vertices, surface.faces)
-    left = float((areas * (density.mean(axis=1) > 0.0)).sum())
+    has_some = density[:, 0] + density[:, 1] + density[:, 2] > 0.0
+    left = float((areas * has_some).sum())
     return float(np.sqrt(2.0 * left / (np.sqrt(3.0) * count)))
