@@ -43,14 +43,35 @@ void for_each_nearer(const Objective& objective, const Evaluation& state, double
   }
 }
 
-/// The distance of the two that are nearest to each other, in kNear spacings; 1 if none are nearer.
-double least_distance(const Objective& objective, const Evaluation& state) {
-  double least = 1.0;
-  for_each_nearer(objective, state, kNear,
-                  [&](std::size_t, std::size_t, const Vec3& offset, double spacing) {
-                    least = std::min(least, offset.norm() / (kNear * spacing));
-                  });
-  return least;
+/// Also for touching sites of one body that are nearer than others should be.
+template <typename Visit>
+void for_each_crowded(const Objective& objective, const Evaluation& state, const Visit& visit) {
+  for_each_nearer(objective, state, kNear, visit);
+  const RestrictedVoronoi& diagram = state.diagram();
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i)
+    for (const CellBoundary& side : diagram.boundary(i)) {
+      const auto j = static_cast<std::size_t>(side.neighbor);
+      if (j <= i) continue;
+      const double spacing =
+          0.5 * (local_spacing(objective, state, 0, i) + local_spacing(objective, state, 0, j));
+      if (side.offset.norm() < kOthers * spacing) visit(i, j, Vec3(-side.offset), spacing);
+    }
+}
+
+/// How much too near sites are, relative to kNear: the two that are nearest, and all together.
+struct Crowding {
+  double worst = 0.0, sum = 0.0;
+};
+
+Crowding crowding_of(const Objective& objective, const Evaluation& state) {
+  Crowding result;
+  for_each_crowded(objective, state,
+                   [&](std::size_t, std::size_t, const Vec3& offset, double spacing) {
+                     const double lacks = 1.0 - offset.norm() / (kNear * spacing);
+                     result.worst = std::max(result.worst, lacks);
+                     result.sum += lacks;
+                   });
+  return result;
 }
 
 void make_unique(Chosen& sites) {
@@ -128,6 +149,7 @@ class Mending {
         found_(found),
         context_(context),
         first_(found.evaluations),
+        most_(options.max_evaluations),
         last_(std::min(options.max_evaluations,
                        found.evaluations + static_cast<int>(kShare * found.evaluations))) {
     options_.tolerance *= kLocal;
@@ -200,17 +222,17 @@ class Mending {
     Evaluation state;
     Sites sites = found_.state.sites;
     const Evaluation* now = &found_.state;
-    for (int push = 0; push < kPushes && found_.evaluations + 1 < last_; ++push) {
-      if (!(least_distance(plain_, *now) < 1.0)) break;
+    for (int push = 0; push < kPushes && found_.evaluations + 1 < most_; ++push) {
+      if (crowding_of(plain_, *now).sum == 0.0) break;
       sites = pushed(*now);
       update(state, plain_, sites, nullptr);
       check_context(context_);
       now = &state;
       ++found_.evaluations;
     }
-    if (now == &found_.state ||
-        !(least_distance(plain_, state) > least_distance(plain_, found_.state)))
-      return;
+    if (now == &found_.state) return;
+    const Crowding was = crowding_of(plain_, found_.state), is = crowding_of(plain_, state);
+    if (is.worst > was.worst || !(is.sum < was.sum)) return;
     const double before = capacity_variation(plain_, found_.state);
     if (capacity_variation(plain_, state) <= kWorse * std::max(before, kEven))
       found_.state = std::move(state);
@@ -222,11 +244,14 @@ class Mending {
     const auto keep = [&](std::size_t i, std::size_t j, const Vec3& d, double least) {
       if (d.squaredNorm() > 0.0) add_contact(planes, i, j, d, least, kNearly * least, contacts);
     };
-    for_each_nearer(plain_, state, kNear,
-                    [&](std::size_t i, std::size_t j, const Vec3& offset, double spacing) {
-                      keep(i, j, offset, kApart * spacing);
-                    });
-    for (const std::size_t i : nearer(plain_, state, kNear))
+    Chosen sites;
+    for_each_crowded(plain_, state,
+                     [&](std::size_t i, std::size_t j, const Vec3& offset, double spacing) {
+                       keep(i, j, offset, kApart * spacing);
+                       sites.insert(sites.end(), {i, j});
+                     });
+    make_unique(sites);
+    for (const std::size_t i : sites)
       for (const CellBoundary& side : state.diagram().boundary(i)) {
         const double spacing = local_spacing(plain_, state, 0, i);
         keep(i, static_cast<std::size_t>(side.neighbor), -side.offset,
@@ -258,8 +283,8 @@ class Mending {
   OptimizerOptions options_;
   Minimum& found_;
   Context* context_;
-  int first_, last_;      // evaluations before it, and the most
-  bool settled_ = false;  // whether the last minimization ended by itself
+  int first_, most_, last_;  // evaluations before it, in all, and before the pushes, at most
+  bool settled_ = false;     // whether the last minimization ended by itself
 };
 
 }  // namespace
