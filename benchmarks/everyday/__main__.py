@@ -19,7 +19,7 @@ from benchmarks.everyday.judged import Found, Job
 from benchmarks.everyday.stills import STILLS
 
 JOBS = (*STILLS, *BAKES)
-HEAD = ("job", "seconds", "ratio", "variation", "alpha", "overlap", "inside", "off the surface")
+HEAD = ("job", "seconds", "ratio", "variation", "alpha", "overlap", "inside", "between", "off")
 
 
 def main() -> int:
@@ -69,7 +69,7 @@ def _row(job: Job, found: Found, ratio: float | None, broken: list[str]) -> list
     return [
         *(job.name, f"{found.seconds:.2f}", text(ratio, ".1f"), text(found.variation, ".3f")),
         *(text(found.alpha, ".2f"), text(found.overlap, ".3f"), text(found.inside, "d")),
-        text(found.off, ".4f"),
+        *(text(found.between, "d"), text(found.off, ".4f")),
         "; ".join(broken) or "kept",
     ]
 

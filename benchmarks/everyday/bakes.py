@@ -50,8 +50,17 @@ def watched(
         one = measured(surface_now(surface), places, even=even)
         if forbidden is not None:
             one = replace(one, inside=int(np.count_nonzero(forbidden(places, frame))))
+            one = replace(one, between=_later(obj, frame, forbidden))
         found.append(one)
     return worst(found)
+
+
+def _later(obj: Any, frame: int, forbidden: Forbidden) -> int:
+    """How many points are where there must be none, half a frame later."""
+    if frame == scenes.FRAMES:
+        return 0
+    bpy.context.scene.frame_set(frame, subframe=0.5)
+    return int(np.count_nonzero(forbidden(points(obj)[0], frame)))
 
 
 def bending(**settings: Any) -> Callable[[], Found]:

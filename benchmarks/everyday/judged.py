@@ -24,6 +24,7 @@ class Found:
     alpha: float | None = None  # smallest distance, in local spacings
     overlap: float | None = None  # of discs, 1 where they coincide
     inside: int | None = None  # points where there must be none
+    between: int | None = None  # the same half a frame later; told, not judged
     off: float | None = None  # farthest from the surface, in spacings
     wrong: str = ""  # a promise that is no figure, in words
 
@@ -73,6 +74,7 @@ def worst(found: list[Found]) -> Found:
         alpha=of("alpha", min),
         overlap=of("overlap", max),
         inside=of("inside", max),
+        between=of("between", max),
         off=of("off", max),
         wrong=next((one.wrong for one in found if one.wrong), ""),
     )
