@@ -21,7 +21,7 @@ from ..solve.class_counts import resumed_on, tracked
 from ..solve.small_parts import small_parts
 from ..solve.solve import Report, report_of
 from ..surface.arrays import REATTACH, Floats, Ints, SurfaceArrays, check_same_topology
-from ..surface.binding import attached_to, places_on, rebound, samples_of
+from ..surface.binding import attached_to, rebound, samples_of
 from ..surface.frames import carried, shading
 from ..surface.records import Binding, Placed
 from ..surface.rest import Shape, rebound_at_rest
@@ -81,7 +81,7 @@ class Baker:
         self.last = start.binding
         self.tilts = TiltTracker()
         self._shape: Shape | None = None  # of the topology, where points are bound to its rest
-        self._places: tuple[Ints, Floats] | None = None  # of the start, on the topology's faces
+        self._begin_samples: Any = None  # of the start, on the topology's faces
         self.tracker: Any = None
         self.masked_surfaces = MaskedSurfaces(self.bound, start.settings, self.masked)
         self._stands_on: Any = None  # the ground of the tracker
@@ -133,7 +133,7 @@ class Baker:
         self._chain.add(before)
         self._note_bound(after)
         self.start = replace(self.start, binding=self.last)
-        self.bound, self._tracked, self._shape, self._places = after, self.done, None, None
+        self.bound, self._tracked, self._shape, self._begin_samples = after, self.done, None, None
         self.masked_surfaces.begin(after)
         self._begun = self._density_since = self.done
         self.topologies.append(after.topology)
@@ -282,10 +282,11 @@ class Baker:
     def _started(self, masked: Any) -> Any:
         """Samples at the start of the topology, on a surface with its faces."""
         start = self.start
-        if self._places is None:
-            self._places = places_on(self.masked_surfaces.first.original, start.binding)
-        who = {"ids": start.ids, "classes": start.classes}
-        return masked.from_original(package().Samples(masked.original, *self._places, **who))
+        if self._begin_samples is None:
+            original = self.masked_surfaces.first.original
+            who = (start.ids, start.classes)
+            self._begin_samples = samples_of(start.binding, original, *who)
+        return masked.from_original(self._begin_samples)
 
     def _go_over_to(self, masked: Any) -> None:
         """Move the tracker to another surface, at the last frame."""

@@ -104,7 +104,7 @@ class MaskedSurfaces:
     ) -> MaskedSurface:
         if laid is bound:
             return first
-        return masked_surface_of(laid, self._settings, like=first, first=bound)
+        return masked_surface_of(laid, self._settings, like=first, first=bound, like_arrays=bound)
 
 
 def may_move(settings: Settings) -> bool:
