@@ -179,6 +179,7 @@ class Cutter {
     const std::array<Vec2, 3> flat = {Vec2::Zero(), Vec2((at[1] - at[0]).dot(x), 0.0),
                                       Vec2((at[2] - at[0]).dot(x), (at[2] - at[0]).dot(y))};
     std::vector<Vec2> points;
+    points.reserve(local.points.size());
     for (const LocalPoint& p : local.points)
       points.emplace_back(p.weights[0] * flat[0] + p.weights[1] * flat[1] + p.weights[2] * flat[2]);
     CutFace cut = cut_face(points, segments);
@@ -264,6 +265,7 @@ class Cutter {
 
   void add_pieces(const LocalFace& local, EdgeNumbers& parts) {
     std::vector<std::int32_t> vertices;
+    vertices.reserve(local.points.size());
     for (const LocalPoint& point : local.points) vertices.push_back(add_vertex(local, point));
     for (const auto& triangle : local.triangles) {
       Face face{};

@@ -66,6 +66,8 @@ TEST(Mending, KeepsSamplesApartInGroovesBetweenBodies) { check(crossing_boards()
 
 TEST(Mending, KeepsSamplesApartOnAHeapOfBodies) { check(heap(), 12, 800); }
 
+TEST(Mending, KeepsSamplesApartOnAHeapOfSoup) { check(soup(heap()), 12, 800); }
+
 TEST(Mending, EndsAtTheLimitOfEvaluations) {
   const Surface surface = heap().surface();
   const Refined refined = refine_outside(surface, {.edge = 0.1 * surface.spacing(800)});
