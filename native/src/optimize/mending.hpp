@@ -10,7 +10,9 @@ namespace dapple {
 /// end the steps of all sites, and their share of the energy is too small to go on for. So what is
 /// left is done in these places alone, while the other sites stay: cells that are far from even,
 /// and sites on two bodies that stand beside each other. Nothing changes where there is no such
-/// place. \param objective that of the minimum, of one class without discs \throw Cancelled
+/// place.
+/// \param objective that of the minimum, of one class without discs
+/// \throw Cancelled
 void mend_places(const Objective& objective, const OptimizerOptions& options, Minimum& found,
                  Context* context);
 

@@ -40,8 +40,11 @@ struct Triangle {
   }
 };
 
-/// How many places of pieces are hidden. What was found for a piece is kept, because pieces are
-/// looked at when they are cut and once more in the end.
+/// How much of a piece is hidden, as far as its places tell.
+enum class Extent : char { kNothing, kPart, kAll };
+
+/// The hidden parts of pieces. What was found for a piece that may be cut is kept, because it is
+/// looked at once more in the end.
 class Hidden {
  public:
   Hidden(const Surface& surface, double openness, const Context* context)
@@ -49,15 +52,25 @@ class Hidden {
 
   /// \param face the caller's face of the surface that the piece is of
   /// \param key  its corners in that face
-  [[nodiscard]] int count(const Triangle& triangle, std::int32_t face,
-                          const std::array<Vec3, 3>& key) {
+  [[nodiscard]] Extent extent(const Triangle& triangle, std::int32_t face,
+                              const std::array<Vec3, 3>& key) {
     const Key known{face, key};
     if (Found::const_accessor entry; found_.find(entry, known)) return entry->second;
-    const int result = look(triangle, face);
+    const Extent result = look(triangle, face);
     found_.insert({known, result});
     return result;
   }
-  static constexpr int kAll = 4;
+
+  /// Whether anything of a piece is hidden. Most of what is hidden is so at its first place.
+  [[nodiscard]] bool any(const Triangle& triangle, std::int32_t face,
+                         const std::array<Vec3, 3>& key) const {
+    if (Found::const_accessor entry; found_.find(entry, Key{face, key}))
+      return entry->second != Extent::kNothing;
+    const auto places = triangle.places();
+    return std::any_of(places.begin(), places.end(), [&](const Vec3& place) {
+      return is_hidden(place, triangle.normal(), face);
+    });
+  }
 
  private:
   struct Key {
@@ -76,14 +89,19 @@ class Hidden {
       return a.face == b.face && a.corners == b.corners;
     }
   };
-  using Found = tbb::concurrent_hash_map<Key, int, Compare>;
+  using Found = tbb::concurrent_hash_map<Key, Extent, Compare>;
 
-  [[nodiscard]] int look(const Triangle& triangle, std::int32_t face) const {
+  [[nodiscard]] Extent look(const Triangle& triangle, std::int32_t face) const {
     const Vec3 normal = triangle.normal();
     const auto places = triangle.places();
-    return static_cast<int>(std::count_if(places.begin(), places.end(), [&](const Vec3& place) {
-      return !sky_.sees(place, normal, openness_) || sky_.is_covered(place, face);
-    }));
+    const bool first = is_hidden(places[0], normal, face);
+    for (std::size_t k = 1; k < places.size(); ++k)
+      if (is_hidden(places[k], normal, face) != first) return Extent::kPart;
+    return first ? Extent::kAll : Extent::kNothing;
+  }
+
+  [[nodiscard]] bool is_hidden(const Vec3& place, const Vec3& normal, std::int32_t face) const {
+    return !sky_.sees(place, normal, openness_) || sky_.is_covered(place, face);
   }
 
   Sky sky_;
@@ -120,12 +138,13 @@ Refined cut_where_hidden(const Tested& tested, const OutsideOptions& options, Co
         if (tested.is_left_out(piece.parent)) return EdgeMarks{};
         const EdgeMarks marks = longer_than(coarse, piece.corners);
         if (marks != EdgeMarks{}) return marks;
+        const EdgeMarks cut = longer_than(options.edge, piece.corners);
+        if (cut == EdgeMarks{}) return cut;
         const auto parent = static_cast<std::size_t>(piece.parent);
-        const int count =
-            tested.hidden.count({piece.corners}, joined.parents[parent],
-                                corners_within(joined.barycentric[parent], piece.barycentric));
-        if (count == 0 || count == Hidden::kAll) return EdgeMarks{};
-        return longer_than(options.edge, piece.corners);
+        const Extent extent =
+            tested.hidden.extent({piece.corners}, joined.parents[parent],
+                                 corners_within(joined.barycentric[parent], piece.barycentric));
+        return extent == Extent::kPart ? cut : EdgeMarks{};
       },
       options.max_faces, context);
 }
@@ -142,8 +161,7 @@ std::vector<std::uint8_t> hidden_faces(const Tested& tested, Context* context) {
       Triangle triangle;
       for (std::size_t k = 0; k < 3; ++k)
         triangle.corners[k] = vertices[static_cast<std::size_t>(faces[f][k])];
-      const int count = tested.hidden.count(triangle, refined.parents[f], refined.barycentric[f]);
-      result[f] = count > 0 ? 1 : 0;
+      result[f] = tested.hidden.any(triangle, refined.parents[f], refined.barycentric[f]) ? 1 : 0;
     }
   });
   return result;
