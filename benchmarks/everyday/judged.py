@@ -24,7 +24,7 @@ class Found:
     alpha: float | None = None  # smallest distance, in local spacings
     overlap: float | None = None  # of discs, 1 where they coincide
     inside: int | None = None  # points where there must be none
-    between: int | None = None  # the same half a frame later; told, not judged
+    between: int | None = None  # the same half a frame later: no promise is made of it
     off: float | None = None  # farthest from the surface, in spacings
     wrong: str = ""  # a promise that is no figure, in words
 

@@ -66,8 +66,8 @@ def test_the_table_of_clicks_has_all_tasks_within_their_goals(tmp_path, monkeypa
     )
     rows = [row for row in found if row[0][0].islower()]
     assert len(rows) == len(tasks)
-    for (told, clicks, *own), (name, goal, _, *blenders) in zip(rows, tasks, strict=True):
-        assert told.startswith(name.split(":")[0].lower()) or name.startswith("Classes"), name
+    for (task, clicks, *own), (name, goal, _, *blenders) in zip(rows, tasks, strict=True):
+        assert task.startswith(name.split(":")[0].lower()) or name.startswith("Classes"), name
         assert int(clicks) <= goal, name
         assert own == ["-" if steps is None else str(len(steps)) for steps in blenders], name
 

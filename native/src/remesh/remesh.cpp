@@ -35,7 +35,6 @@ constexpr int kDroppings = 6;                           // times that creases ar
 constexpr int kThinnings = 6;                           // rounds of taking sites away elsewhere
 constexpr int kApproaches = 60;                         // rounds of adding sites at far places
 constexpr int kSettlings = 4;                           // of them, after which others move
-constexpr int kFreeRings = 3;                  // around sites that are gone, which make room
 constexpr double kRough = 10.0;                // times the tolerance, beside lines that changed
 constexpr int kFewEvaluations = 12;            // after local changes
 constexpr double kFirst = 0.6, kSecond = 0.9;  // of the progress, if it is done again
@@ -149,11 +148,13 @@ class Remesher {
 
   void solve(Context* context) {
     const LineSites on_lines = sites_on_lines(surface_, lines_, line_spacing());
-    SampleClass all{.count = std::max(count_, on_lines.sites.size()), .locked = on_lines.sites};
+    const SampleClass all{.count = std::max(count_, on_lines.sites.size()),
+                          .locked = on_lines.sites};
     const Sites start = solution_beside(on_lines.sites, all.count - on_lines.sites.size());
     const bool again = start.size() > 0;
-    ClassMinimum found = again ? solve_from(on_lines.sites, start, context)
-                               : dapple::solve(problem_of(all), class_options(options_), context);
+    const ClassMinimum found =
+        again ? solve_from(on_lines.sites, start, context)
+              : dapple::solve(problem_of(all), class_options(options_), context);
     evaluations_ += found.minimum.evaluations;
     converged_ = found.minimum.converged;
     solution_ = found.minimum.state.sites;

@@ -66,10 +66,10 @@ class Hidden {
                          const std::array<Vec3, 3>& key) const {
     if (Found::const_accessor entry; found_.find(entry, Key{face, key}))
       return entry->second != Extent::kNothing;
+    const Vec3 normal = triangle.normal();
     const auto places = triangle.places();
-    return std::any_of(places.begin(), places.end(), [&](const Vec3& place) {
-      return is_hidden(place, triangle.normal(), face);
-    });
+    return std::any_of(places.begin(), places.end(),
+                       [&](const Vec3& place) { return is_hidden(place, normal, face); });
   }
 
  private:

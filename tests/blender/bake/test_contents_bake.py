@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scenes
 from contents import camera, linked, note, reason, solved, weighed
+from stopped_bakes import stop_after
 
 
 def moving_camera():
@@ -146,17 +147,12 @@ def test_keys_with_bad_indices_are_said(damage, said):
 
 def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
     baking, steps = addon_host.part("blender.bake.steps"), addon_host.part("core.base.steps")
-    package = addon_host.part("core.base.native").package()
     surface, found = scenes.tail(frames=4), []
     for stopped in (False, True):
         obj = scenes.scattered(surface)
         obj.dapple.count = 40
         if stopped:
-            going = baking.bake_steps(bpy.context, 1, 4)
-            task = next(going)
-            for _ in range(5):  # the points and two frames
-                task = going.send(task.call(package.Context()))
-            going.close()
+            stop_after(5, 4)  # the points and two frames
             assert (len(obj.data.vertices), obj.dapple.baked_keys) == (60, 0)
             assert reason(obj) == "Settings were changed (Count): optimize again"
             assert addon_host.part("blender.freshness.unfinished_bakes").unfinished(obj) == 2

@@ -4,6 +4,7 @@
 import addon_host
 import bpy
 import pytest
+from stopped_bakes import stop_after
 from test_outside_over_time import FRAMES, moving_balls
 
 
@@ -38,18 +39,13 @@ def test_discs_stay_apart_where_parts_meet(name, value):
 @pytest.mark.parametrize("population", ["KEEP_COUNT", "KEEP_DENSITY"])
 def test_a_stopped_bake_of_discs_goes_on_to_the_same_bytes(population):
     baking, steps = addon_host.part("blender.bake.steps"), addon_host.part("core.base.steps")
-    package = addon_host.part("core.base.native").package()
     obj = mixed()
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     obj.dapple.population = population
     found = []
     for stopped in (True, False):
         if stopped:
-            going = baking.bake_steps(bpy.context, 1, FRAMES)
-            task = next(going)
-            for _ in range(6):
-                task = going.send(task.call(package.Context()))
-            going.close()
+            stop_after(6, FRAMES)
         baker = steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES))
         assert (baker.taken > 0) == stopped
         found.append(addon_host.part("blender.scatter.key_stores").read_baked(obj).keys)

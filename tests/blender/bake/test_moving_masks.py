@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scenes
 from contents import linked, note, reason
+from stopped_bakes import stop_after
 
 FRAMES, COUNT = 6, 300
 
@@ -196,7 +197,6 @@ def test_noise_rides_with_a_surface_that_is_masked_anew_on_each_frame():
 
 def test_a_stopped_bake_of_moving_masks_goes_on_to_the_same_bytes():
     baking, steps = addon_host.part("blender.bake.steps"), addon_host.part("core.base.steps")
-    package = addon_host.part("core.base.native").package()
     surface, found = ground(), []
     density, _ = moving_cube()
     for population in ("KEEP_COUNT", "KEEP_DENSITY"):
@@ -204,11 +204,7 @@ def test_a_stopped_bake_of_moving_masks_goes_on_to_the_same_bytes():
             obj = scatter_on(surface, **density)
             obj.dapple.population = population
             if stopped:
-                going = baking.bake_steps(bpy.context, 1, FRAMES)
-                task = next(going)
-                for _ in range(6):
-                    task = going.send(task.call(package.Context()))
-                going.close()
+                stop_after(6, FRAMES)
             baker = steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES))
             assert baker.taken == (3 if stopped else 0)
             found.append(addon_host.part("blender.scatter.key_stores").read_baked(obj).keys)
@@ -218,7 +214,6 @@ def test_a_stopped_bake_of_moving_masks_goes_on_to_the_same_bytes():
 
 def test_a_bake_that_was_stopped_after_its_masks_came_to_rest_goes_on_to_the_same_bytes():
     baking, steps = addon_host.part("blender.bake.steps"), addon_host.part("core.base.steps")
-    package = addon_host.part("core.base.native").package()
     surface, found = ground(), []
     box = cube()
     for frame, place in ((1, -1.0), (3, -0.5)):
@@ -228,11 +223,7 @@ def test_a_bake_that_was_stopped_after_its_masks_came_to_rest_goes_on_to_the_sam
     for stopped in (False, True):
         obj = scatter_on(surface, avoid_collection=bpy.data.collections["Avoided"])
         if stopped:
-            going = baking.bake_steps(bpy.context, 1, FRAMES)
-            task = next(going)
-            for _ in range(8):
-                task = going.send(task.call(package.Context()))
-            going.close()
+            stop_after(8, FRAMES)
         baker = steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES))
         assert baker.taken == (4 if stopped else 0)
         found.append(addon_host.part("blender.scatter.key_stores").read_baked(obj).keys)
