@@ -28,6 +28,7 @@ constexpr int kFailures = 5;       // steps without any decrease: only rounding 
 constexpr int kFewFailures = 2;    // while restoring
 constexpr double kStuck =
     5e-4;  // of the energy: the decrease that the model may predict if steps are small
+constexpr double kMissed = 2.0;     // times the tolerance: what a last step may promise that fails
 constexpr double kRounding = 1e-9;  // of the energy: a predicted decrease below rounding errors
 
 class Minimizer {
@@ -188,7 +189,8 @@ class Minimizer {
   /// Whether the optimization converged; settled() is also true if no step was found.
   [[nodiscard]] bool converged() {
     if (reached()) return true;
-    if (rule_.decreases_are_small()) return rule_.missed() <= options_.tolerance && !stuck();
+    if (rule_.decreases_are_small())
+      return rule_.missed() <= kMissed * options_.tolerance && !stuck();
     return rule_.failed() && rule_.missed() <= kRounding;
   }
 

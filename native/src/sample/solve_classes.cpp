@@ -44,6 +44,9 @@ constexpr double kInTurn = 0.6;     // of the progress after the start
 constexpr double kNearly = 0.9;     // of the progress, before sites are moved
 constexpr double kUseful = 20.0;    // the least weight of capacities that are to be equal
 constexpr double kMoving = 0.2;     // of a round
+constexpr double kPerStep = 1.8;    // evaluations, where it is worthwhile to continue
+constexpr double kOver = 0.4;       // of the progress after the steps: the numbers are right
+constexpr double kEnding = 0.6;     // and the cells are even
 constexpr int kMoved = 5;           // evaluations that a round takes at least
 constexpr int kMoves = 6;           // times that sites are moved after the steps
 constexpr std::size_t kFewest = 3;  // sites to move for which another minimization is worthwhile
@@ -202,9 +205,10 @@ double share_of_start(const ClassProblem& problem, const ClassOptions& options) 
   return starting / (starting + evaluations * (problem.classes.size() > 1 ? 2.0 : 1.0));
 }
 
-/// Continue the optimization on thin parts. The start is nearly even there, so that the first steps
-/// gain little, but later ones gain more.
-void go_on_along(ClassMinimum& found, OptimizerOptions options, Context* context) {
+/// Continue the optimization where the first steps gain little, but later ones gain more: on thin
+/// parts, where the start is nearly even, and where sharp edges and steps of the surface leave the
+/// capacities uneven.
+void go_on(ClassMinimum& found, OptimizerOptions options, Context* context) {
   options.max_evaluations = std::min(kMore, options.max_evaluations - found.minimum.evaluations);
   if (options.max_evaluations < 1 ||
       capacity_variation(found.objective, found.minimum.state) <= kEven) {
@@ -299,6 +303,26 @@ void move_over(const ClassProblem& problem, const ClassOptions& options, ClassMi
     }
     found.minimum = std::move(next);
   }
+}
+
+/// Whether the energy jumps at few steps only. Where every second one fails, more of them gain
+/// little.
+bool most_steps_lead_on(const Minimum& found) {
+  return found.evaluations < kPerStep * found.iterations;
+}
+
+/// What steps of all sites leave to do: numbers that are off, cells that are not even, and sites
+/// that are too near to each other.
+void finish(const ClassProblem& problem, const ClassOptions& options, ClassMinimum& found,
+            Context* context) {
+  const OptimizerOptions& optimizer = options.sample.optimizer;
+  Stretch moving(context, 0.0, kOver), going_on(context, kOver, kEnding),
+      ending(context, kEnding, 1.0);
+  move_over(problem, options, found, moving.context());
+  if (!problem.all->has_bodies() && most_steps_lead_on(found.minimum) &&
+      is_uneven(problem, optimizer, found.objective, found.minimum.state, kUneven))
+    go_on(found, optimizer, going_on.context());
+  mend_places(found.objective, optimizer, found.minimum, ending.context());
 }
 
 /// Whether all classes have the same density, so that their union has it too.
@@ -405,7 +429,7 @@ ClassMinimum solve_in_turn(const ClassProblem& problem,
   rest.max_evaluations = evaluations_left(rest, turn.sum());
   rest.tolerance *= kPolish;
   ClassMinimum found = solve(std::move(objective), turn.sites(), rest, together.context());
-  if (turn.thin()) go_on_along(found, options.sample.optimizer, going_on.context());
+  if (turn.thin()) go_on(found, options.sample.optimizer, going_on.context());
   found.minimum.count(turn.sum());
   return found;
 }
@@ -485,10 +509,8 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
   ClassMinimum found =
       plain ? solve_moving(problem, std::move(objective), start, options, finishing.context())
             : solve(std::move(objective), start, options.sample.optimizer, finishing.context());
-  if (thin) go_on_along(found, options.sample.optimizer, going_on.context());
-  if (plain) move_over(problem, options, found, moving.context());
-  if (plain)
-    mend_places(found.objective, options.sample.optimizer, found.minimum, moving.context());
+  if (thin) go_on(found, options.sample.optimizer, going_on.context());
+  if (plain) finish(problem, options, found, moving.context());
   found.minimum.count(before);
   return found;
 }

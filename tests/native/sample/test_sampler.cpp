@@ -366,5 +366,19 @@ TEST(Sampler, ReportsThatVariationForADensityOfAnyScale) {
   for (const double scale : {0x1p-664, 0x1p664}) EXPECT_EQ(told(scale), expected) << scale;
 }
 
+/// A floor of square steps: where they meet, cells exchange pieces and the energy jumps.
+TEST(Sampler, IsEvenOnSteps) {
+  const Surface surface = mapped(grid(60), [](const Vec3& p) {
+                            const int square =
+                                static_cast<int>(6.0 * p.x()) + static_cast<int>(6.0 * p.y());
+                            return Vec3(p.x(), p.y(), square % 2 == 1 ? 0.1 : 0.0);
+                          }).surface();
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    const Report report = sample(surface, 1000, {.seed = seed}).report;
+    EXPECT_LE(report.evenness.capacity_variation, 0.012) << "seed " << seed;
+    EXPECT_TRUE(report.converged) << "seed " << seed;
+  }
+}
+
 }  // namespace
 }  // namespace dapple::test
