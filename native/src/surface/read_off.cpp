@@ -84,8 +84,22 @@ void keep_at_vertices(Rows<T>& rows, std::size_t vertices) {
   if (!rows.values.empty() && rows.values.size() == vertices) rows.owner = Owner::kVertices;
 }
 
-void read_polygon(const Lines& lines, std::vector<std::int64_t>& corners) {
+/// Adds the words of the next lines to those of a face that some programs break over several.
+/// Changes nothing if a line then has more words than the face: it is the next one.
+void join_lines(Lines& lines, std::size_t words) {
+  Lines ahead = lines;
+  std::vector<std::string_view> joined = lines.words;
+  while (joined.size() < words && ahead.next())
+    joined.insert(joined.end(), ahead.words.begin(), ahead.words.end());
+  if (joined.size() != words) return;
+  ahead.words = std::move(joined);
+  lines = std::move(ahead);
+}
+
+void read_polygon(Lines& lines, std::vector<std::int64_t>& corners) {
   const auto size = lines.number_in<std::int64_t>(lines.words[0], "an index");
+  const bool broken = size > 0 && static_cast<std::size_t>(size) >= lines.words.size();
+  if (broken) join_lines(lines, static_cast<std::size_t>(size) + 1);
   if (size < 0 || static_cast<std::size_t>(size) >= lines.words.size())
     lines.refuse("has " + text(lines.words.size() - 1) + " corners but declares " +
                  std::to_string(size));

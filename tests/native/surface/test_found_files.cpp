@@ -209,6 +209,21 @@ TEST(FoundFiles, OffHasColorsOfFaces) {
   EXPECT_EQ(mesh.colors[1][2], (Color{0.0f, 1.0f, 0.0f, 0.0f}));
 }
 
+TEST(FoundFiles, FacesOfAnOffMayBeBrokenOverSeveralLines) {
+  std::string text = "OFF\n8 6 0\n" + places("");
+  for (const auto& side : kSides) {
+    text += "4 " + std::to_string(side[0]) + " \n\n# broken\n" + std::to_string(side[1]) + "\n";
+    text += std::to_string(side[2]) + " " + std::to_string(side[3]) + "\n";
+  }
+  expect_cube(read_off(text));
+}
+
+TEST(FoundFiles, AFaceOfAnOffDoesNotTakeCornersOfTheNextOne) {
+  const std::string head = "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n";
+  expect_refused(read_off, head + "3 0 1\n3 0 2 1\n", "line 6 has 2 corners but declares 3");
+  expect_refused(read_off, head + "3 0 1 2\n3 0\n2\n", "line 7 has 1 corners but declares 3");
+}
+
 TEST(FoundFiles, PlyHasStripsOfTriangles) {
   const MeshArrays mesh = read_ply(
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
