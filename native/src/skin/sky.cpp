@@ -30,6 +30,32 @@ std::vector<Vec3> sky_directions() {
   return result;
 }
 
+std::array<Vec3, 3> places(const OrderedSurface& mesh, OrderedFace face) {
+  const auto [a, b, c] = mesh.corners(face);
+  return {mesh.vertex(a), mesh.vertex(b), mesh.vertex(c)};
+}
+
+/// Whether a line along an edge of the first triangle has the second one on its other side.
+bool is_parted_by_edge(const std::array<Vec3, 3>& one, const std::array<Vec3, 3>& other,
+                       const Vec3& normal, double slack) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 &from = one[k], &tip = one[(k + 2) % 3];
+    const Vec3 across = normal.cross(one[(k + 1) % 3] - from).stableNormalized();
+    const Vec3 outward = across.dot(tip - from) > 0.0 ? Vec3(-across) : across;
+    if (std::all_of(other.begin(), other.end(),
+                    [&](const Vec3& p) { return outward.dot(p - from) >= -slack; }))
+      return true;
+  }
+  return false;
+}
+
+/// Whether two triangles in one plane have more in common than an edge or a corner.
+bool overlap(const std::array<Vec3, 3>& one, const std::array<Vec3, 3>& other, const Vec3& normal,
+             double slack) {
+  return !is_parted_by_edge(one, other, normal, slack) &&
+         !is_parted_by_edge(other, one, normal, slack);
+}
+
 }  // namespace
 
 Sky::Sky(const Surface& surface, const Context* context)
@@ -73,9 +99,11 @@ bool Sky::lie_on_each_other(std::int32_t a, std::int32_t b) const {
   if (std::abs(mesh.geometry(one).normal.dot(mesh.geometry(other).normal)) < kParallel)
     return false;
   const Face corners = mesh.welded_corners(one), others = mesh.welded_corners(other);
-  return std::none_of(corners.begin(), corners.end(), [&](std::int32_t v) {
+  const bool share_a_corner = std::any_of(corners.begin(), corners.end(), [&](std::int32_t v) {
     return std::find(others.begin(), others.end(), v) != others.end();
   });
+  return !share_a_corner || overlap(places(mesh, one), places(mesh, other),
+                                    mesh.geometry(one).normal, projector_.resolution());
 }
 
 bool Sky::is_covered(const Vec3& place, std::int32_t face) const {

@@ -17,8 +17,8 @@ class Sky {
   /// Whether the exposure is at least `least`, and not 0; looks only as long as that is open.
   [[nodiscard]] bool sees(const Vec3& place, const Vec3& normal, double least) const;
 
-  /// Whether the place of a face (the caller's index) lies on a face of a lower index that is not
-  /// its neighbor: of faces that lie on each other only the first is seen.
+  /// Whether the place of a face (the caller's index) lies on a face of a lower index: of faces
+  /// that lie on each other only the first is seen. Neighbors that only meet do not count.
   [[nodiscard]] bool is_covered(const Vec3& place, std::int32_t face) const;
 
  private:

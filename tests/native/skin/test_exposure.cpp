@@ -80,6 +80,17 @@ TEST(Exposure, CountsTheFirstOfFacesThatLieOnEachOther) {
     EXPECT_EQ(found[f], f < below.faces.size() ? 1.0 : 0.0) << f;
 }
 
+/// The same square twice, cut along its two diagonals.
+Shape square_cut_twice() {
+  return {"Square",
+          {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+          {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}};
+}
+
+TEST(Exposure, CountsTheFirstOfFacesOnEachOtherThatShareCorners) {
+  EXPECT_EQ(exposure(square_cut_twice().surface()), (std::vector<double>{1, 1, 0, 0}));
+}
+
 TEST(Exposure, NamesWhatIsWrong) {
   const Surface surface = box(1).surface();
   const std::vector<std::int32_t> faces = {0, 99};
