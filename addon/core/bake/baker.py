@@ -24,7 +24,7 @@ from ..surface.arrays import REATTACH, Floats, Ints, SurfaceArrays, check_same_t
 from ..surface.binding import attached_to, rebound, samples_of
 from ..surface.frames import carried, shading
 from ..surface.records import Binding, Placed
-from ..surface.rest import Shape, rebound_at_rest
+from ..surface.rest import Shape, off_borders, rebound_at_rest
 from .disc_pushes import Places, allowed_on, pushed_apart
 from .keys import Baked, Keyframes
 from .masked_surfaces import MaskedSurfaces
@@ -342,10 +342,14 @@ class Baker:
             self.trouble = f"Frames cannot be kept in '{self.sidecar.folder}': {error.strerror}"
             self.sidecar = None
 
-    def _check_distinct(self, placed: Placed) -> None:
-        """ScatterError if a point moved to a place whose rest position is ambiguous."""
+    def _distinct(self, placed: Placed) -> Placed:
+        """Points a little off the borders of their faces, if those are told apart at rest.
+
+        ScatterError if a point moved to a place whose rest position is ambiguous.
+        """
         if self.bound.rest is None:
-            return
+            return placed
+        placed = replace(placed, binding=off_borders(placed.binding, self.bound.rest))
         binding = placed.binding
         if placed.faded is not None:
             binding = binding.rows_at(placed.faded < 1.0)
@@ -354,6 +358,7 @@ class Baker:
         other = self._shape.elsewhere(binding, self._now.vertices)
         if other is not None:
             raise ScatterError(f"Frame {self.first + len(self.reports)}: {other}")
+        return placed
 
     @property
     def all_ids(self) -> Ints:
@@ -366,14 +371,13 @@ class Baker:
         return self.start.classes
 
     def _add(self, solved: Solved) -> None:
-        self._check_distinct(solved.placed)
+        placed = self._distinct(solved.placed)
         self._solved, self._vertices = solved, self._now.vertices
         self.last = solved.placed.binding
         self.reports.append(solved.report)
         spacing = solved.report.spacing
         normals = shading(self._now, self.bound.faces)
         self.tilts.add(solved.placed.tilt, self._vertices, normals, spacing)
-        placed = solved.placed
         if self.fits:
             placed = self.masked_surfaces.with_clearance(placed, self._vertices, self.classes)
         self.keyframes.add(placed, self.bound, self._now, spacing)

@@ -22,6 +22,7 @@ from .records import Binding, Columns
 
 _AHEAD = 0.05  # relative to the length of the first edge
 _ELSEWHERE = 1e-3  # relative to the surface's size: a point found farther away is at a wrong place
+_INSIDE = 1e-5  # relative to the surface's size: distance of places from the borders of their faces
 _MOST_PARTS = 64
 
 
@@ -42,7 +43,8 @@ def at_rest(binding: Binding, surface: SurfaceArrays) -> AtRest:
 def rest_columns(binding: Binding, surface: SurfaceArrays) -> Columns:
     """Columns named as in REST_ATTRIBUTES, for points bound to a surface with a rest shape."""
     assert surface.rest is not None
-    places, ahead = binding.positions(surface.rest), _ahead(binding, surface.rest, surface)
+    places = off_borders(binding, surface.rest).positions(surface.rest)
+    ahead = _ahead(binding, surface.rest, surface)
     parts = _parts(binding, surface)
     return {"dapple_rest": places, "dapple_ahead": places + _AHEAD * ahead, "dapple_part": parts}
 
@@ -69,6 +71,8 @@ def with_distinct_parts(binding: Binding, surface: SurfaceArrays) -> SurfaceArra
 
     ScatterError if there is no such number.
     """
+    assert surface.rest is not None
+    binding = off_borders(binding, surface.rest)
     first = Shape(surface).elsewhere(binding, surface.vertices)
     if first is None:
         return surface
@@ -77,6 +81,22 @@ def with_distinct_parts(binding: Binding, surface: SurfaceArrays) -> SurfaceArra
         if len(surface.faces) % parts == 0 and _tells_apart(binding, divided):
             return divided
     raise ScatterError(first)
+
+
+def off_borders(binding: Binding, rest: Floats) -> Binding:
+    """Points a little off the borders of their faces.
+
+    Faces that were split along an edge, as some file formats do, meet there at rest, even if a
+    modifier moves them apart. A place on the edge itself could be on either of them.
+    """
+    a, b, c = (rest[binding.corners[:, k]] for k in range(3))
+    longest = np.linalg.norm([b - a, c - b, a - c], axis=2).max(axis=0, initial=1e-30)
+    size = float(np.linalg.norm(np.ptp(rest, axis=0))) if len(rest) else 0.0
+    least = np.minimum(_INSIDE * size / longest, 0.05)[:, None]
+    weights = np.where(binding.barycentric < least, least, binding.barycentric)
+    weights /= weights.sum(axis=1, keepdims=True)
+    placed = binding.barycentric.any(axis=1, keepdims=True)
+    return replace(binding, barycentric=np.where(placed, weights, binding.barycentric))
 
 
 def _tells_apart(binding: Binding, surface: SurfaceArrays) -> bool:

@@ -3,6 +3,7 @@
 
 import addon_host
 import bpy
+import dapple3d as dapple
 import mathutils
 import numpy as np
 import pytest
@@ -192,6 +193,38 @@ def test_a_thickness_without_width_at_rest_is_refused_and_nothing_is_written():
     with pytest.raises(RuntimeError, match=r"point \d+ has the rest position of another place"):
         bpy.ops.dapple.add_scatter(count=60, attach_to="REST")
     assert sorted(bpy.data.objects.keys()) == before
+
+
+def split_sheet():
+    """A square and a pentagon that meet at rest without sharing vertices; rounding parts them."""
+    square = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    pentagon = [(1, 0, 0), (2, 0, 0), (3, 0.5, 0), (2, 1, 0), (1, 1, 0)]
+    mesh = bpy.data.meshes.new("Sheet")
+    mesh.from_pydata(square + pentagon, [], [(0, 1, 2, 3), (4, 5, 6, 7, 8)])
+    surface = bpy.data.objects.new("Sheet", mesh)
+    bpy.context.collection.objects.link(surface)
+    bpy.context.view_layer.objects.active = surface
+    subdivision = surface.modifiers.new("Subdivision", "SUBSURF")
+    subdivision.levels, subdivision.render_levels = 1, 2
+    return surface
+
+
+def test_points_on_split_edges_stay_on_their_side_where_a_modifier_parts_it():
+    surface = split_sheet()
+    bpy.ops.dapple.add_scatter(count=60)
+    obj = bpy.context.object
+    assert obj.dapple.attached_to == "REST"
+    for x in (0.95, 1.0, 1.05):
+        for y in (0.05, 0.1, 0.2, 0.35, 0.4, 0.6, 0.65, 0.8, 0.9, 0.95):
+            place = np.array([x, y, 0.0])
+            assert bpy.ops.dapple.add_point(location=place) == {"FINISHED"}
+            vertices, faces = scenes.shown(surface)
+            beside = dapple.project(dapple.Surface(vertices, faces), place[None]).positions[0]
+            assert np.linalg.norm(scenes.positions(obj) - beside, axis=1).min() < 1e-3
+    before = scenes.positions(obj)
+    bpy.context.scene.frame_end = 2
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert np.abs(scenes.positions(obj) - before)[60:].max() < 1e-3  # those are locked
 
 
 def test_back_to_faces():
