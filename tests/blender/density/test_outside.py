@@ -56,6 +56,27 @@ def test_parts_of_one_object_are_parts_if_they_cross():
     assert added(60).dapple.density.use_outside
 
 
+def two_planks():
+    """Planks without bottom and ends whose touching sides share corners but not the diagonal."""
+    vertices = [(x, y, z) for z in (-1, 0) for y in (0, 4) for x in (-4, 0, 4)]
+    tops = [(6, 7, 10, 9), (7, 8, 11, 10)]
+    sides = [(3, 0, 6, 9), (2, 5, 11, 8), (1, 4, 10, 7), (4, 10, 7, 1)]
+    triangles = [t for a, b, c, d in (*tops, *sides) for t in ((a, b, c), (a, c, d))]
+    mesh = bpy.data.meshes.new("Planks")
+    mesh.from_pydata(vertices, [], triangles)
+    planks = bpy.data.objects.new("Planks", mesh)
+    bpy.context.collection.objects.link(planks)
+    bpy.context.view_layer.objects.active = planks
+
+
+def test_points_are_even_on_kit_pieces_that_touch():
+    two_planks()
+    obj = added(300)
+    obj.dapple.density.use_outside = True
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert obj.dapple.report.capacity_variation < 0.02
+
+
 def test_the_inner_shell_of_a_solidified_body_is_no_part():
     ball = scenes.sphere()
     ball.modifiers.new("Shell", "SOLIDIFY").thickness = 0.1
