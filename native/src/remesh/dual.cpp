@@ -341,13 +341,12 @@ Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sit
   graph.match();
   graph.drop_short(result.violations);
   graph.find_repeated(result.violations);
-  std::vector<Place> places;  // per triangle
   graph.for_each_corner(result.violations,
                         [&](std::span<const std::int32_t> around, const Place& place) {
                           add_triangles(around, sites.positions, result.triangles);
-                          places.resize(result.triangles.size(), place);
+                          result.corners.resize(result.triangles.size(), place);
                         });
-  find_repeated_triangles(result.triangles, places, result.violations);
+  find_repeated_triangles(result.triangles, result.corners, result.violations);
   result.lines = graph.edges_on_lines();
   if (result.violations.empty())
     find_repeated_edges(result.triangles, kinds, sites, result.violations);

@@ -15,6 +15,7 @@ namespace dapple {
 /// meet.
 struct Dual {
   std::vector<Face> triangles;                     ///< of sites
+  std::vector<Place> corners;                      ///< per triangle: where its cells meet
   std::vector<std::array<std::int32_t, 2>> lines;  ///< edges along lines, sorted, lower site first
   std::vector<Violation> violations;               ///< none: the mesh is as manifold as the surface
 };

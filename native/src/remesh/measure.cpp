@@ -76,10 +76,12 @@ void measure_edges(RemeshResult& mesh) {
 /// it, since the one that it is stored with may be on the other side of a crease.
 class TouchedFaces {
  public:
-  TouchedFaces(const OrderedSurface& mesh, std::size_t faces) : mesh_(mesh) {
+  /// \param vertices whether they are asked for, per welded vertex
+  TouchedFaces(const OrderedSurface& mesh, std::size_t faces, const std::vector<bool>& vertices)
+      : mesh_(mesh) {
     for (std::size_t f = 0; f < faces; ++f)
       for (const std::int32_t v : mesh.welded_corners(nth_face(f)))
-        around_.push_back({v, static_cast<std::int32_t>(f)});
+        if (vertices[as_index(v)]) around_.push_back({v, static_cast<std::int32_t>(f)});
     std::ranges::sort(around_);
   }
 
@@ -119,25 +121,41 @@ class TouchedFaces {
   std::vector<std::array<std::int32_t, 2>> around_;  // welded vertex, face
 };
 
-/// Triangles that face away from all faces that their corners touch.
-std::size_t count_flipped(const Surface& surface, const FeatureLines& lines,
-                          const RemeshResult& mesh) {
-  const OrderedSurface& old = surface.ordered();
-  const TouchedFaces touched(old, surface.face_count());
-  return static_cast<std::size_t>(std::ranges::count_if(mesh.faces, [&](const Face& t) {
-    const Vec3& a = mesh.vertices[as_index(t[0])];
-    const Vec3 normal =
-        (mesh.vertices[as_index(t[1])] - a).cross(mesh.vertices[as_index(t[2])] - a).normalized();
-    return std::ranges::all_of(t, [&](std::int32_t v) {
-      return touched.all_at(old.counted_face(mesh.source_faces[as_index(v)]),
-                            mesh.barycentric[as_index(v)], [&](OrderedFace face) {
-                              return lines.sign(face) * normal.dot(old.geometry(face).normal) < 0.0;
-                            });
-    });
-  }));
-}
-
 }  // namespace
+
+std::vector<std::size_t> facing_away(const Surface& surface, const FeatureLines& lines,
+                                     std::span<const Face> triangles, const Sites& vertices) {
+  const OrderedSurface& old = surface.ordered();
+  const auto own = [&](std::int32_t v) { return old.counted_face(vertices.faces[as_index(v)]); };
+  const auto is_away = [&](const Face& t, const auto& all_at) {
+    const Vec3& a = vertices.positions[as_index(t[0])];
+    const Vec3 normal = (vertices.positions[as_index(t[1])] - a)
+                            .cross(vertices.positions[as_index(t[2])] - a)
+                            .normalized();
+    return std::ranges::all_of(t, [&](std::int32_t v) {
+      return all_at(v, [&](OrderedFace face) {
+        return lines.sign(face) * normal.dot(old.geometry(face).normal) < 0.0;
+      });
+    });
+  };
+  std::vector<std::size_t> found;
+  std::vector<bool> corners(old.vertex_count(), false);
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    if (!is_away(triangles[k], [&](std::int32_t v, const auto& away) { return away(own(v)); }))
+      continue;
+    found.push_back(k);
+    for (const std::int32_t v : triangles[k])
+      for (const std::int32_t corner : old.welded_corners(own(v))) corners[as_index(corner)] = true;
+  }
+  if (found.empty()) return found;
+  const TouchedFaces touched(old, surface.face_count(), corners);
+  std::erase_if(found, [&](std::size_t k) {
+    return !is_away(triangles[k], [&](std::int32_t v, const auto& away) {
+      return touched.all_at(own(v), vertices.barycentric[as_index(v)], away);
+    });
+  });
+  return found;
+}
 
 void measure_mesh(const Surface& surface, const FeatureLines& lines, RemeshResult& mesh) {
   RemeshReport& report = mesh.report;
@@ -149,7 +167,9 @@ void measure_mesh(const Surface& surface, const FeatureLines& lines, RemeshResul
                                          std::ranges::count(mesh.features, VertexFeature::kLine));
   measure_angles(mesh);
   measure_edges(mesh);
-  report.flipped = count_flipped(surface, lines, mesh);
+  report.flipped =
+      facing_away(surface, lines, mesh.faces, {mesh.vertices, mesh.source_faces, mesh.barycentric})
+          .size();
   report.border_loops = -1;
   if (mesh.faces.empty()) return;
   SurfaceOptions plain;

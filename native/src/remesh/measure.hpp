@@ -2,6 +2,8 @@
 #pragma once
 
 #include <dapple/remesh.hpp>
+#include <span>
+#include <vector>
 
 #include "lines/feature_lines.hpp"
 
@@ -10,5 +12,11 @@ namespace dapple {
 /// Write angles, valences and topology of the mesh into its report.
 /// \param lines tell which faces of the surface are turned over in the mesh
 void measure_mesh(const Surface& surface, const FeatureLines& lines, RemeshResult& mesh);
+
+/// The triangles that face away from all faces that their corners touch.
+[[nodiscard]] std::vector<std::size_t> facing_away(const Surface& surface,
+                                                   const FeatureLines& lines,
+                                                   std::span<const Face> triangles,
+                                                   const Sites& vertices);
 
 }  // namespace dapple

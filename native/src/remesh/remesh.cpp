@@ -5,6 +5,7 @@
 #include <dapple/neighbors.hpp>
 #include <dapple/refine.hpp>
 #include <dapple/remesh.hpp>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -33,12 +34,16 @@ constexpr int kPatience = 6;                            // rounds that mend noth
 constexpr std::size_t kMostTimes = 4, kMostMore = 500;  // most sites, by the count asked for
 constexpr int kDroppings = 6;                           // times that creases are given up
 constexpr int kThinnings = 6;                           // rounds of taking sites away elsewhere
-constexpr int kApproaches = 60;                         // rounds of adding sites at far places
-constexpr int kSettlings = 4;                           // of them, after which others move
-constexpr double kRough = 10.0;                // times the tolerance, beside lines that changed
-constexpr int kFewEvaluations = 12;            // after local changes
-constexpr double kFirst = 0.6, kSecond = 0.9;  // of the progress, if it is done again
-constexpr double kFiner = 0.5;                 // spacings: their edges
+constexpr int kTurnings = 4;                            // rounds for triangles that face away
+constexpr int kTurnsInRow = 3;       // sites added in one, because others may turn over then
+constexpr std::size_t kSkips = 4;    // sites tried to be taken away instead
+constexpr int kApproaches = 60;      // rounds of adding sites at far places
+constexpr int kSettlings = 4;        // of them, after which others move
+constexpr double kRough = 10.0;      // times the tolerance, beside lines that changed
+constexpr int kFewEvaluations = 12;  // after local changes
+constexpr double kFirst = 0.6, kSecond = 0.9,
+                 kThird = 0.95;  // of the progress, if it is done again
+constexpr double kFiner = 0.5;   // spacings: their edges
 constexpr std::size_t kFinerFaces = 40;
 constexpr double kSolved = 0.8;  // of the progress
 constexpr double kMended = 0.95;
@@ -88,6 +93,7 @@ class Remesher {
     mend_all(mending.context());
     keep_best();
     thin_all(thinning.context());
+    turn_all(thinning.context());
     approach(approaching.context());
   }
 
@@ -102,6 +108,20 @@ class Remesher {
     }
     keep_best();
     thin_all(thinning.context());
+    turn_all(thinning.context());
+    approach(thinning.context());
+  }
+
+  /// Add many sites at a time, where nothing else has helped.
+  void insist(Context* context) {
+    Stretch mending(context, 0.0, kMended), thinning(context, kMended, 1.0);
+    dense_ = true;
+    sites_ = best_sites_;
+    dual_ = best_;
+    mend_densely(mending.context());
+    keep_best();
+    thin_all(thinning.context());
+    turn_all(thinning.context());
     approach(thinning.context());
   }
 
@@ -230,17 +250,45 @@ class Remesher {
 
   /// Add sites until the dual has the topology of the surface.
   void mend_all(Context* context) {
+    if (!add_sites(false, context) && dense_) mend_densely(context);
+  }
+
+  /// Where walls are thinner than cells, as of fingers, new sites bring new flaws for a while: if
+  /// few at a time mend nothing, many at a time may.
+  void mend_densely(Context* context) {
+    RemeshSites sites = sites_;
+    Dual dual = dual_;
+    std::size_t least = dual.violations.size() / 2;  // more sites are worth no less
+    const auto look_back = [&] {
+      if (dual_.violations.size() > least) return;
+      least = dual_.violations.size();
+      sites = sites_;
+      dual = dual_;
+    };
+    if (add_sites(true, context, look_back)) return;
+    sites_ = std::move(sites);
+    dual_ = std::move(dual);
+  }
+
+  /// \param dense many at a time
+  /// \param looked called after each look
+  /// \return whether nothing is left to mend
+  bool add_sites(bool dense, Context* context, const std::function<void()>& looked = [] {}) {
     std::size_t least = std::numeric_limits<std::size_t>::max();
     int since = 0;  // rounds without progress
     const std::size_t most = kMostTimes * count_ + kMostMore;
     for (int k = 0; k < kMendings && since < kPatience && sites_.size() < most; ++k) {
       check_context(context);
       look(nullptr);
+      looked();
       since = dual_.violations.size() < least ? 0 : since + 1;
       least = std::min(least, dual_.violations.size());
-      if (dual_.violations.empty() || mend(surface_, lines_, dual_.violations, sites_) == 0) return;
+      if (dual_.violations.empty()) return true;
+      if (mend(surface_, lines_, dual_.violations, sites_, dense) == 0) return false;
     }
     look(nullptr);
+    looked();
+    return dual_.violations.empty();
   }
 
   void keep_best() {
@@ -260,12 +308,13 @@ class Remesher {
   }
 
   /// Take away as many sites as there are too many, where the topology does not need them.
-  bool thin(Context* context) {
+  /// \param skipped sites that would be the first, but that did not help
+  bool thin(Context* context, std::size_t skipped = 0) {
     sites_ = best_sites_;
     dual_ = best_;
     const std::vector<Face> triangles = dual_.triangles;
     const std::size_t before = sites_.size();
-    if (thin_out(dual_, before - count_, sites_) == 0) return false;
+    if (thin_out(dual_, before - count_, sites_, skipped) == 0) return false;
     std::vector<bool> stays(sites_.size());
     look(nullptr);
     for (std::size_t k = 0; k < stays.size(); ++k) stays[k] = sites_.pinned[k];
@@ -276,6 +325,53 @@ class Remesher {
     const bool better = dual_.violations.empty() && sites_.size() < before;
     keep_best();
     return better;
+  }
+
+  /// Where triangles face away from the surface, as across its folds, add sites, and take as many
+  /// away elsewhere.
+  void turn_all(Context* context) {
+    std::size_t tried = std::numeric_limits<std::size_t>::max();  // fewer where some spoil others
+    for (int k = 0; k < kTurnings && best_.violations.empty(); ++k) {
+      const std::vector<Violation> away = away_from_surface(best_, best_sites_);
+      if (away.empty() || tried == 0) break;
+      tried = std::min(tried, away.size());
+      if (!turn(away, tried, context)) tried /= 2;
+    }
+  }
+
+  [[nodiscard]] std::vector<Violation> away_from_surface(const Dual& dual,
+                                                         const RemeshSites& sites) const {
+    std::vector<Violation> result;
+    for (const std::size_t k : facing_away(surface_, lines_, dual.triangles, sites.sites))
+      result.push_back({dual.triangles[k][0], Flaw::kAway, dual.corners[k], {}});
+    return result;
+  }
+
+  /// \return whether fewer triangles face away, with as many sites as asked for if there were
+  /// before
+  bool turn(const std::vector<Violation>& away, std::size_t tried, Context* context) {
+    const RemeshSites sites = best_sites_;
+    const Dual dual = best_;
+    sites_ = sites;
+    dual_ = dual;
+    std::vector<Violation> now(away.begin(), away.begin() + static_cast<std::ptrdiff_t>(tried));
+    for (int k = 0; k < kTurnsInRow && !now.empty(); ++k) {  // those around may turn over then
+      if (mend(surface_, lines_, now, sites_) == 0) break;
+      mend_all(context);
+      if (!dual_.violations.empty()) return false;
+      now = away_from_surface(dual_, sites_);
+      if (tried < away.size()) break;
+    }
+    best_sites_ = sites_;
+    best_ = dual_;
+    thin_all(context);
+    for (std::size_t k = 1; k <= kSkips && best_sites_.size() > count_; ++k) thin(context, k);
+    if ((best_sites_.size() <= count_ || sites.size() > count_) &&
+        away_from_surface(best_, best_sites_).size() < away.size())
+      return true;
+    best_sites_ = sites;
+    best_ = dual;
+    return false;
   }
 
   /// Add sites where the mesh and the surface are farther apart than they may be.
@@ -333,6 +429,7 @@ class Remesher {
   RemeshSites sites_, best_sites_;
   Dual dual_, best_;
   std::size_t dropped_lines_ = 0;
+  bool dense_ = false;           // sites may be added many at a time
   double distance_ = 0.0;        // of the best mesh; 0: it was not looked at
   RemeshSites looked_at_sites_;  // by the last far_places()
   int evaluations_ = 0;
@@ -500,7 +597,7 @@ RemeshResult remesh_on_finer_faces(const Surface& surface, std::size_t count,
 RemeshResult best_remesh(const Surface& surface, std::size_t count, const RemeshOptions& options,
                          Context* context) {
   Stretch first(context, 0.0, kFirst), second(context, kFirst, kSecond),
-      third(context, kSecond, 1.0);
+      third(context, kSecond, kThird), fourth(context, kThird, 1.0);
   const FeatureLines lines(surface, rules_of(surface, count, options), context);
   Remesher remesher(surface, count, options, lines);
   remesher.run(first.context());
@@ -516,6 +613,10 @@ RemeshResult best_remesh(const Surface& surface, std::size_t count, const Remesh
                                       second.context()));
   if (made.report.flaws > 0) {
     remesher.give_up(third.context());
+    take_better(remesher.result());
+  }
+  if (made.report.flaws > 0) {
+    remesher.insist(fourth.context());
     take_better(remesher.result());
   }
   const StageSpan reporting(context, Stage::kReporting);

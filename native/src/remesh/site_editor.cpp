@@ -13,7 +13,7 @@ namespace dapple {
 namespace {
 
 constexpr double kApart = 0.5;  // of a place's distance from its site: edits that are too close
-constexpr double kFarApart = 4.0;
+constexpr double kFarApart = 4.0, kDenseApart = 1.0;
 constexpr double kBeside = 1.0;  // the same for places that are far from the mesh
 constexpr double kAway = 1e-6;   // of the spacing, a place that is no other than its site
 constexpr int kKeptRings = 2;    // around sites that stay
@@ -87,7 +87,7 @@ void RemeshSites::move(std::size_t site, const Sites& to, SiteKind kind, std::in
 }
 
 std::size_t mend(const Surface& surface, const FeatureLines& lines,
-                 std::span<const Violation> violations, RemeshSites& sites) {
+                 std::span<const Violation> violations, RemeshSites& sites, bool dense) {
   struct Edit {
     Vec3 position;
     double reach;
@@ -96,7 +96,8 @@ std::size_t mend(const Surface& surface, const FeatureLines& lines,
   // Other flaws may vanish with those at lines.
   const auto is_near = [&](const Vec3& p, double reach, Flaw flaw) {
     const double apart = flaw == Flaw::kForeignLine ? kApart
-                         : flaw == Flaw::kFar       ? kBeside
+                         : flaw >= Flaw::kFar       ? kBeside
+                         : dense                    ? kDenseApart
                                                     : kFarApart;
     return std::ranges::any_of(edits, [&](const Edit& edit) {
       return (edit.position - p).norm() < apart * std::max(reach, edit.reach);
@@ -138,7 +139,8 @@ std::vector<bool> widened(std::span<const Face> triangles, std::vector<bool> mar
   return marked;
 }
 
-std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites) {
+std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites,
+                     std::size_t skipped) {
   std::vector<bool> kept(sites.size());
   std::vector<std::int32_t> valence(sites.size(), 0);
   for (std::size_t k = 0; k < sites.size(); ++k)
@@ -165,6 +167,10 @@ std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites) {
   for (const std::size_t k : order) {
     if (removed == excess) break;
     if (kept[k]) continue;
+    if (skipped > 0) {
+      --skipped;
+      continue;
+    }
     gone[k] = true;
     ++removed;
     std::vector<std::int32_t> around = {static_cast<std::int32_t>(k)};

@@ -22,13 +22,16 @@ struct RemeshSites {
 
 /// Mend violations: move free sites to the lines that their cells reach, and add sites elsewhere,
 /// at most one for each neighborhood.
+/// \param dense neighborhoods are small: more sites at once, some of which may be needless
 /// \return the number of edits
 std::size_t mend(const Surface& surface, const FeatureLines& lines,
-                 std::span<const Violation> violations, RemeshSites& sites);
+                 std::span<const Violation> violations, RemeshSites& sites, bool dense = false);
 
 /// Remove up to `excess` free sites that are far from pinned sites, lines and each other.
+/// \param skipped the first so many stay
 /// \return number of sites removed
-std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites);
+std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites,
+                     std::size_t skipped = 0);
 
 /// Per site, whether it is within `rings` edges of a marked one.
 [[nodiscard]] std::vector<bool> widened(std::span<const Face> triangles, std::vector<bool> marked,

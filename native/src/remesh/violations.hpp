@@ -29,6 +29,7 @@ enum class Flaw : std::uint8_t {
   kFewSides,     ///< the cell has too few neighbors for triangles
   kUnmatched,    ///< neighbors disagree about where they meet
   kFar,          ///< the mesh and the surface are too far apart
+  kAway,         ///< a triangle faces away from the surface
 };
 
 struct Violation {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <dapple/errors.hpp>
 #include <dapple/projector.hpp>
 #include <dapple/remesh.hpp>
@@ -12,6 +13,7 @@
 
 #include "mesh_area.hpp"
 #include "shapes.hpp"
+#include "shared_data.hpp"
 #include "throws.hpp"
 
 namespace dapple::test {
@@ -321,6 +323,36 @@ TEST(Remesh, CellsOfABladeDoNotGoThroughIt) {
     EXPECT_EQ(mesh.report.euler, 2);
     EXPECT_NEAR(area_of(mesh.vertices, mesh.faces), surface.area(), 1e-9);
   }
+}
+
+TEST(Remesh, WallsThinnerThanCellsKeepTheirTopology) {
+  DAPPLE_NEEDS_MESH("crank");
+  RemeshOptions options;
+  options.feature_angle = 180.0;
+  const RemeshResult mesh = remesh(shared_mesh("crank").surface(), 250, options);
+  EXPECT_EQ(mesh.report.flaws, 0u);
+  EXPECT_EQ(mesh.report.euler, -22);
+}
+
+/// A flat body with eight fingers.
+Shape hand(double thick) {
+  return mapped(icosphere(5), [=](const Vec3& p) {
+    const double gap = 0.35 * (1.0 - std::cos(8.0 * std::atan2(p[1], p[0])));
+    const double scale = 1.0 - gap * (p[0] * p[0] + p[1] * p[1]);
+    return Vec3(scale * p[0], scale * p[1], thick * p[2]);
+  });
+}
+
+TEST(Remesh, NoTriangleOfASmoothBodyFacesAway) {
+  RemeshOptions options;
+  options.feature_angle = 180.0;
+  for (const double thick : {0.05, 0.1})
+    for (const std::size_t count : {200u, 400u}) {
+      const RemeshResult mesh = remesh(hand(thick).surface(), count, options);
+      EXPECT_EQ(mesh.report.flipped, 0u) << thick << ", " << count;
+      EXPECT_EQ(mesh.report.flaws, 0u);
+      EXPECT_EQ(mesh.vertices.size(), count);
+    }
 }
 
 TEST(Remesh, StopsWhenCancelled) {
