@@ -343,7 +343,7 @@ class Baker:
             self.sidecar = None
 
     def _distinct(self, placed: Placed) -> Placed:
-        """Points a little off the borders of their faces, if those are told apart at rest.
+        """The points, moved slightly off the borders of their faces if there is a rest shape.
 
         ScatterError if a point moved to a place whose rest position is ambiguous.
         """

@@ -84,7 +84,7 @@ def with_distinct_parts(binding: Binding, surface: SurfaceArrays) -> SurfaceArra
 
 
 def off_borders(binding: Binding, rest: Floats) -> Binding:
-    """Points a little off the borders of their faces.
+    """Move points slightly off the borders of their faces.
 
     Faces that were split along an edge, as some file formats do, meet there at rest, even if a
     modifier moves them apart. A place on the edge itself could be on either of them.

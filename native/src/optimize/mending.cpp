@@ -29,9 +29,8 @@ Chosen nearer(const Objective& objective, const Evaluation& state, double than) 
   Chosen result;
   for (const Stranger& pair : state.parts[0].strangers) {
     const auto i = static_cast<std::size_t>(pair.i), j = static_cast<std::size_t>(pair.j);
-    const double spacing =
-        0.5 * (local_spacing(objective, state, 0, i) + local_spacing(objective, state, 0, j));
-    if (pair.offset.norm() < than * spacing) result.insert(result.end(), {i, j});
+    if (pair.offset.norm() < than * spacing_between(objective, state, i, j))
+      result.insert(result.end(), {i, j});
   }
   make_unique(result);
   return result;

@@ -2,6 +2,7 @@
 #include "optimize/neighborhoods.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace dapple {
@@ -11,20 +12,25 @@ void make_unique(Chosen& sites) {
   sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
 }
 
-std::vector<bool> around(const RestrictedVoronoi& diagram, const Chosen& sites, int rings) {
-  std::vector<bool> result(diagram.cells.size(), false);
-  Chosen ring = sites;
-  for (const std::size_t k : sites) result[k] = true;
+Chosen with_rings(const RestrictedVoronoi& diagram, const Chosen& sites, int rings) {
+  Chosen result = sites, ring = sites;
   for (int r = 0; r < rings; ++r) {
     Chosen next;
     for (const std::size_t k : ring)
-      for (const CellBoundary& side : diagram.boundary(k)) {
-        const auto j = static_cast<std::size_t>(side.neighbor);
-        if (!result[j]) next.push_back(j);
-        result[j] = true;
-      }
-    ring = std::move(next);
+      for (const CellBoundary& side : diagram.boundary(k))
+        next.push_back(static_cast<std::size_t>(side.neighbor));
+    make_unique(next);
+    ring.clear();
+    std::ranges::set_difference(next, result, std::back_inserter(ring));
+    result.insert(result.end(), ring.begin(), ring.end());
+    make_unique(result);
   }
+  return result;
+}
+
+std::vector<bool> around(const RestrictedVoronoi& diagram, const Chosen& sites, int rings) {
+  std::vector<bool> result(diagram.cells.size(), false);
+  for (const std::size_t k : with_rings(diagram, sites, rings)) result[k] = true;
   return result;
 }
 

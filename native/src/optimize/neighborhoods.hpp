@@ -11,7 +11,10 @@ using Chosen = std::vector<std::size_t>;  ///< sites, in ascending order
 /// Put chosen sites in order, each once.
 void make_unique(Chosen& sites);
 
-/// Per site, whether it is chosen or in one of so many rings of neighbors around a chosen one.
+/// The chosen sites and so many rings of neighbors around them.
+[[nodiscard]] Chosen with_rings(const RestrictedVoronoi& diagram, const Chosen& sites, int rings);
+
+/// The same: per site, whether it is among them.
 [[nodiscard]] std::vector<bool> around(const RestrictedVoronoi& diagram, const Chosen& sites,
                                        int rings);
 

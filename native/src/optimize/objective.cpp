@@ -130,6 +130,18 @@ Sites Objective::project(const Vectors& points, std::span<const std::int32_t> hi
   return result;
 }
 
+std::vector<std::int32_t> Objective::move(const Vectors& moves, Sites& sites,
+                                          const Context* context) const {
+  std::vector<std::int32_t> moved;
+  for (std::size_t k = 0; k < moves.size(); ++k)
+    if (moves[k].squaredNorm() > 0.0) moved.push_back(static_cast<std::int32_t>(k));
+  Sites some = select(sites, moved);
+  for (std::size_t k = 0; k < moved.size(); ++k)
+    some.positions[k] += moves[static_cast<std::size_t>(moved[k])];
+  put(sites, moved, project(some.positions, some.faces, moved, context));
+  return moved;
+}
+
 void Objective::restrict(Vectors& v, const Vectors& normals) const {
   make_tangential(v, normals);
   if (mirror) mirror->restrict(v, normals);
@@ -191,6 +203,11 @@ double local_spacing(const Objective& objective, const Evaluation& state, std::s
                      std::size_t k) {
   const std::vector<Moments>& cells = state.parts[term].energy.diagram.cells;
   return local_spacing(cells[k], objective.terms[term].mean_capacity(cells.size()));
+}
+
+double spacing_between(const Objective& objective, const Evaluation& state, std::size_t i,
+                       std::size_t j) {
+  return 0.5 * (local_spacing(objective, state, 0, i) + local_spacing(objective, state, 0, j));
 }
 
 void shrink_radii(Objective& objective, Evaluation& state) {

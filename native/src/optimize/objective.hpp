@@ -69,6 +69,11 @@ struct Objective {
                               std::span<const std::int32_t> which = {},
                               const Context* context = nullptr) const;
 
+  /// Move sites along the surface; the others keep their places exactly.
+  /// \return the sites that moved
+  std::vector<std::int32_t> move(const Vectors& moves, Sites& sites,
+                                 const Context* context = nullptr) const;
+
   /// Remove the normal part of moves, moves of locked sites, and what is not symmetric.
   void restrict(Vectors& v, const Vectors& normals) const;
 };
@@ -112,6 +117,10 @@ void check_finite_energy(const Objective& objective, const Evaluation& state);
 /// \param k the site's index in the term
 [[nodiscard]] double local_spacing(const Objective& objective, const Evaluation& state,
                                    std::size_t term, std::size_t k);
+
+/// The mean of the local spacings of two sites.
+[[nodiscard]] double spacing_between(const Objective& objective, const Evaluation& state,
+                                     std::size_t i, std::size_t j);
 
 /// Adapt the radii of the repulsion to the local spacing. They stay fixed within an iteration, so
 /// that the gradient is exact, and between iterations they only shrink, so that the repulsion never

@@ -33,9 +33,7 @@ struct Pair {
 template <typename Visit>
 void for_each_pair(const Objective& objective, const Evaluation& state, const Visit& visit) {
   const auto call = [&](std::size_t i, std::size_t j, const Vec3& offset) {
-    const double sum =
-        local_spacing(objective, state, 0, i) + local_spacing(objective, state, 0, j);
-    visit(Pair{i, j, 0.5 * sum}, offset);
+    visit(Pair{i, j, spacing_between(objective, state, i, j)}, offset);
   };
   for (const Stranger& pair : state.parts[0].strangers)
     call(static_cast<std::size_t>(pair.i), static_cast<std::size_t>(pair.j), pair.offset);
@@ -99,32 +97,18 @@ bool moves_apart(const Objective& objective, const std::vector<Pair>& pairs, con
   return any;
 }
 
-void move(const Objective& objective, const Vectors& moves, Sites& sites, Vectors& normals) {
-  std::vector<std::int32_t> moved;
-  for (std::size_t k = 0; k < moves.size(); ++k)
-    if (moves[k].squaredNorm() > 0.0) moved.push_back(static_cast<std::int32_t>(k));
-  Sites some = select(sites, moved);
-  for (std::size_t k = 0; k < moved.size(); ++k)
-    some.positions[k] += moves[static_cast<std::size_t>(moved[k])];
-  put(sites, moved, objective.project(some.positions, some.faces, moved));
-  for (const std::int32_t k : moved) {
-    const auto site = static_cast<std::size_t>(k);
-    normals[site] = objective.domain().normal(sites.faces[site]);
-  }
-}
-
-Sites pushed(const Objective& objective, const Evaluation& state,
-             const std::vector<Chosen>& places) {
-  Chosen all;
-  for (const Chosen& place : places) all.insert(all.end(), place.begin(), place.end());
-  make_unique(all);
+Sites pushed(const Objective& objective, const Evaluation& state, const Chosen& crowded,
+             Context* context) {
   const std::vector<Pair> pairs =
-      pairs_around(objective, state, around(state.diagram(), all, kRings));
+      pairs_around(objective, state, around(state.diagram(), crowded, kRings));
   Sites sites = state.sites;
   Vectors normals = state.normals, moves;
   for (int push = 0; push < kPushes; ++push) {
     if (!moves_apart(objective, pairs, sites, normals, moves)) break;
-    move(objective, moves, sites, normals);
+    for (const std::int32_t k : objective.move(moves, sites, context)) {
+      const auto site = static_cast<std::size_t>(k);
+      normals[site] = objective.domain().normal(sites.faces[site]);
+    }
   }
   return sites;
 }
@@ -133,14 +117,13 @@ Sites pushed(const Objective& objective, const Evaluation& state,
 /// that of the mean.
 double rise_at(const Objective& objective, const Evaluation& before, const Evaluation& after,
                const Chosen& place) {
-  const std::vector<bool> near = around(before.diagram(), place, kRings + 1);
-  const double mean = objective.terms[0].mean_capacity(near.size());
+  const double mean = objective.terms[0].mean_capacity(before.sites.size());
   const auto off = [&](const Evaluation& state, std::size_t k) {
     return std::pow(state.diagram().cells[k].capacity / mean - 1.0, 2);
   };
   double rise = 0.0;
-  for (std::size_t k = 0; k < near.size(); ++k)
-    if (near[k]) rise += off(after, k) - off(before, k);
+  for (const std::size_t k : with_rings(before.diagram(), place, kRings + 1))
+    rise += off(after, k) - off(before, k);
   return rise;
 }
 
@@ -175,7 +158,7 @@ void push_apart(const Objective& objective, int most, Minimum& found, Context* c
     std::erase_if(sites, [&](std::size_t k) { return given_up[k]; });
     if (sites.empty()) return;
     const std::vector<Chosen> places = places_of(found.state.diagram(), sites, kRings);
-    update(next, objective, pushed(objective, found.state, places), nullptr);
+    update(next, objective, pushed(objective, found.state, sites, context), nullptr);
     ++found.evaluations;
     const std::vector<Chosen> costly = unaffordable(objective, found.state, next, places);
     for (const Chosen& place : costly)

@@ -82,13 +82,7 @@ Sites discs_apart(const Objective& objective, Sites sites, Context* context) {
     if (close.pairs.empty()) break;
     Vectors moves(state.sites.size(), Vec3::Zero());
     keep_discs_apart(discs, objective.locked, moves);
-    std::vector<std::int32_t> pushed;
-    for (std::size_t k = 0; k < moves.size(); ++k)
-      if (moves[k].squaredNorm() > 0.0) pushed.push_back(static_cast<std::int32_t>(k));
-    Sites moved = select(state.sites, pushed);
-    for (std::size_t k = 0; k < pushed.size(); ++k)
-      moved.positions[k] += moves[static_cast<std::size_t>(pushed[k])];
-    put(state.sites, pushed, objective.project(moved.positions, moved.faces, pushed, context));
+    objective.move(moves, state.sites, context);
   }
   return std::move(state.sites);
 }

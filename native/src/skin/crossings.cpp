@@ -38,11 +38,6 @@ struct FaceBox {
   Eigen::AlignedBox3d box;
 };
 
-bool share_vertex(const Face& a, const Face& b) {
-  return std::any_of(a.begin(), a.end(),
-                     [&](std::int32_t v) { return std::find(b.begin(), b.end(), v) != b.end(); });
-}
-
 /// Pairs of faces without a common vertex whose boxes overlap, sorted.
 std::vector<Pair> near_pairs(const OrderedSurface& mesh, Context* context) {
   std::vector<FaceBox> boxes;
@@ -155,6 +150,11 @@ std::vector<std::vector<Crossing>> common_segments(const OrderedSurface& mesh,
 }
 
 }  // namespace
+
+bool share_vertex(const Face& a, const Face& b) {
+  return std::any_of(a.begin(), a.end(),
+                     [&](std::int32_t v) { return std::find(b.begin(), b.end(), v) != b.end(); });
+}
 
 Crossings find_crossings(const Surface& surface, Context* context) {
   Stretch pairing(context, 0.0, kPaired);

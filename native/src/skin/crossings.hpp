@@ -39,6 +39,9 @@ struct Crossings {
   std::vector<CrossingLine> lines;  ///< sorted by face
 };
 
+/// Whether two faces, given by their welded corners, have a vertex in common.
+[[nodiscard]] bool share_vertex(const Face& a, const Face& b);
+
 /// Find where faces without a common vertex pass through each other. Predicates are exact, so faces
 /// on either side of an edge agree on what passes through it; faces that lie on each other do not
 /// cross.

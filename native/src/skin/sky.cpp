@@ -6,6 +6,7 @@
 #include <dapple/exposure.hpp>
 
 #include "base/elementary.hpp"
+#include "skin/crossings.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -98,12 +99,9 @@ bool Sky::lie_on_each_other(std::int32_t a, std::int32_t b) const {
   const OrderedFace one = mesh.ordered_face(a), other = mesh.ordered_face(b);
   if (std::abs(mesh.geometry(one).normal.dot(mesh.geometry(other).normal)) < kParallel)
     return false;
-  const Face corners = mesh.welded_corners(one), others = mesh.welded_corners(other);
-  const bool share_a_corner = std::any_of(corners.begin(), corners.end(), [&](std::int32_t v) {
-    return std::find(others.begin(), others.end(), v) != others.end();
-  });
-  return !share_a_corner || overlap(places(mesh, one), places(mesh, other),
-                                    mesh.geometry(one).normal, projector_.resolution());
+  return !share_vertex(mesh.welded_corners(one), mesh.welded_corners(other)) ||
+         overlap(places(mesh, one), places(mesh, other), mesh.geometry(one).normal,
+                 projector_.resolution());
 }
 
 bool Sky::is_covered(const Vec3& place, std::int32_t face) const {
