@@ -83,9 +83,13 @@ class _Guard:
 
 
 def _is_outdated(handle: ObjectHandle, arrays: SurfaceArrays, settings: Settings) -> Any:
-    """Whether the result of a scatter is out of date and not edited by hand."""
+    """Whether the result of a scatter is out of date and not edited by hand.
+
+    So is one whose figures were not measured, because an undo or a render came between.
+    """
     now = yield Task(lambda _: sources_of(arrays, settings))
-    return not is_edited(handle.get()) and needs_solving(handle.get(), now)
+    obj = handle.get()
+    return not is_edited(obj) and (not obj.dapple.report.measured or needs_solving(obj, now))
 
 
 def _kind(

@@ -344,6 +344,21 @@ def test_a_render_and_an_operator_take_its_place_and_it_goes_on_afterward(
     followed(live, obj)
 
 
+def test_figures_that_an_interruption_prevented_are_measured_afterward(live, obj):
+    live.settle()
+    obj.dapple.count = 5000
+    live.begin()
+    while obj.dapple.report.measured:
+        live.look()
+    assert len(obj.data.vertices) == 5000
+    for event in ("render_began", "render_ended"):
+        addon_host.part("blender.base.handlers").publish(event)
+    assert not live.watcher.is_solving()
+    live.settle()
+    assert obj.dapple.report.measured
+    assert live.settle() == 0
+
+
 @pytest.mark.parametrize("action", ["ADD", "REMOVE", "DOWN"])
 def test_the_list_of_object_types_is_followed(live, obj, action):
     for _ in range(2):
