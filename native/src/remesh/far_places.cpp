@@ -21,7 +21,7 @@ void add_places(const Surface& surface, const FeatureLines& lines, bool inside,
     for (std::int32_t k = 0; k < 3; ++k) {
       const std::int32_t h = half_edge(nth_face(f), k), twin = twin_of(mesh, h);
       const std::int32_t on = lines.is_line(h) ? h : -1;
-      const Vec3 from = mesh.vertex(start_of(mesh, h)), to = mesh.vertex(end_of(mesh, h));
+      const Vec3 &from = mesh.vertex(start_of(mesh, h)), &to = mesh.vertex(end_of(mesh, h));
       middle += from / 3.0;
       if ((on >= 0) == inside) continue;
       for (const std::int32_t v : {start_of(mesh, h), end_of(mesh, h)}) {
@@ -77,6 +77,7 @@ void finish(const Sites& sites, std::span<const double> distances, FarPlaces& fa
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::greater(), [&](std::size_t k) { return distances[k]; });
   std::vector<Violation> sorted;
+  sorted.reserve(order.size());
   for (const std::size_t k : order) sorted.push_back(far.places[k]);
   far.places = std::move(sorted);
 }

@@ -142,7 +142,6 @@ std::vector<bool> widened(std::span<const Face> triangles, std::vector<bool> mar
 std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites,
                      std::size_t skipped) {
   std::vector<bool> kept(sites.size());
-  std::vector<std::int32_t> valence(sites.size(), 0);
   for (std::size_t k = 0; k < sites.size(); ++k)
     kept[k] = sites.pinned[k] || sites.kinds[k] != SiteKind::kFree;
   kept = widened(dual.triangles, std::move(kept), 1);

@@ -18,12 +18,12 @@ constexpr std::size_t kStride = 35;       // coprime to the number of directions
 /// Points of a Fibonacci lattice on the unit sphere, in an order in which the first few are spread
 /// too: a place in the open is then known after few rays.
 std::vector<Vec3> sky_directions() {
-  constexpr auto count = static_cast<std::size_t>(kSkyDirections);
+  constexpr auto kCount = static_cast<std::size_t>(kSkyDirections);
   const double golden = 0.5 * (3.0 - std::sqrt(5.0));  // of a turn
   std::vector<Vec3> result;
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto i = static_cast<double>(k * kStride % count);
-    const double z = 1.0 - (2.0 * i + 1.0) / static_cast<double>(count);
+  for (std::size_t k = 0; k < kCount; ++k) {
+    const auto i = static_cast<double>(k * kStride % kCount);
+    const double z = 1.0 - (2.0 * i + 1.0) / static_cast<double>(kCount);
     const double radius = std::sqrt(1.0 - z * z);
     const Direction around = direction(golden * i - std::floor(golden * i));
     result.emplace_back(radius * around.cosine, radius * around.sine, z);
