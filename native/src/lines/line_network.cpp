@@ -30,7 +30,7 @@ Vec3 LineNetwork::ahead(const OrderedSurface& mesh, std::int32_t vertex, std::in
   const std::int32_t first = e;
   while (true) {
     const std::int32_t next = other_end(e, vertex);
-    const Vec3 from = mesh.vertex(vertex), to = mesh.vertex(next);
+    const Vec3 &from = mesh.vertex(vertex), &to = mesh.vertex(next);
     if (distance <= edge(e).length && edge(e).length > 0.0)
       return from + distance / edge(e).length * (to - from);
     distance -= edge(e).length;
@@ -43,7 +43,7 @@ Vec3 LineNetwork::ahead(const OrderedSurface& mesh, std::int32_t vertex, std::in
 
 double LineNetwork::turn(const OrderedSurface& mesh, std::int32_t vertex, double scale) const {
   const auto around = at(vertex);
-  const Vec3 here = mesh.vertex(vertex);
+  const Vec3& here = mesh.vertex(vertex);
   const Vec3 before = here - ahead(mesh, vertex, around[0][1], scale);
   const Vec3 behind = ahead(mesh, vertex, around[1][1], scale) - here;
   const double lengths = before.norm() * behind.norm();

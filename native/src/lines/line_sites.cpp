@@ -53,6 +53,7 @@ std::vector<double> fewest_parts(std::span<const LineChain> chains) {
 /// Lengths along a chain in local units, up to the end of each edge.
 std::vector<double> lengths_along(const OrderedSurface& mesh, const LineChain& chain) {
   std::vector<double> ends;
+  ends.reserve(chain.half_edges.size());
   double total = 0.0;
   for (const std::int32_t h : chain.half_edges) ends.push_back(total += metric(mesh, h));
   return ends;
@@ -95,7 +96,7 @@ Sites point_on_edge(const OrderedSurface& mesh, std::int32_t half_edge, double t
 Sites point_on_chain(const OrderedSurface& mesh, const LineChain& chain, bool forward,
                      double distance) {
   const std::size_t count = chain.half_edges.size();
-  const Vec3 origin = mesh.vertex(forward ? chain.vertices.front() : chain.vertices.back());
+  const Vec3& origin = mesh.vertex(forward ? chain.vertices.front() : chain.vertices.back());
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t e = forward ? k : count - 1 - k;
     const std::int32_t next = chain.vertices[forward ? e + 1 : e];

@@ -109,7 +109,8 @@ class FlatSites {
   /// The eight squares around suffice, because a site's own images keep its cell within half a
   /// period.
   [[nodiscard]] static Vec3 shift(std::int32_t k) {
-    return {static_cast<double>(rank(k) / 3 - 1), static_cast<double>(rank(k) % 3 - 1), 0.0};
+    const std::int32_t row = rank(k) / 3, column = rank(k) % 3;
+    return {row - 1.0, column - 1.0, 0.0};
   }
   [[nodiscard]] static Box moved(const Box& query, std::int32_t k) {
     return {query.low - shift(k), query.high - shift(k)};

@@ -86,7 +86,7 @@ void finish(const Sites& sites, std::span<const double> distances, FarPlaces& fa
 
 DistanceCheck::DistanceCheck(const Surface& surface, const FeatureLines& lines,
                              const Context* context)
-    : surface_(surface), projector_(surface, false, context), old_(places_of(surface, lines)) {}
+    : projector_(surface, false, context), old_(places_of(surface, lines)) {}
 
 FarPlaces DistanceCheck::far_places(const Dual& dual, const Sites& sites, double limit,
                                     const Context* context) const {

@@ -18,7 +18,7 @@ struct FarPlaces {
 /// Compares vertices, middles of edges and middles of faces of each of both with the other.
 class DistanceCheck {
  public:
-  /// All of them must outlive it. \throw Cancelled
+  /// \throw Cancelled
   DistanceCheck(const Surface& surface, const FeatureLines& lines, const Context* context);
 
   /// \throw Cancelled
@@ -31,7 +31,6 @@ class DistanceCheck {
   void add_new(const Dual& dual, const Sites& sites, double limit, const Context* context,
                FarPlaces& result, std::vector<double>& distances) const;
 
-  const Surface& surface_;
   Projector projector_;
   std::vector<Place> old_;  // on lines first, so that equals are there
 };
