@@ -400,8 +400,10 @@ void bind_exposure(py::module_& m) {
         py::arg("barycentric") = py::none(), py::kw_only(), py::arg("context") = py::none(),
         R"(How much of the sky places of a surface see: the share of free directions above the face.
 
-96 directions are tried (a Fibonacci lattice on the sphere). A face has two sides; the one that sees more counts, so the
-orientation of faces does not matter. A convex body has 1 everywhere, what is inside another part of the model 0.
+96 directions are tried (a Fibonacci lattice on the sphere). A convex body has 1 everywhere, what is inside another part of
+the model 0. A face has two sides. If a patch of consistently oriented faces sees far more on one side, as bodies do also
+where they are open, only that side counts, so what is hidden in front is not seen through the hollow body behind it.
+Otherwise, as on leaves, the side that sees more counts. The orientation of faces does not matter.
 
 Args:
     surface: a Surface with m faces.

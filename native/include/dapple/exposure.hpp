@@ -13,12 +13,15 @@ namespace dapple {
 inline constexpr int kSkyDirections = 96;
 
 /// How much of the sky places of a surface see: the share of the directions above the face in which
-/// nothing of the surface is in the way, in 0..1. A face has two sides; the one that sees more
-/// counts, so the orientation of faces does not matter. A convex body has 1 everywhere, what is
-/// inside another part 0.
-/// \param faces       the caller's index of the face of each place
-/// \param barycentric where on its face each place is; >= 0, sum 1
-/// \return one per place; 0 on faces without area and on all but the first of faces that lie on
+/// nothing of the surface is in the way, in 0..1. A convex body has 1 everywhere, what is inside
+/// another part 0.
+///
+/// A face has two sides. If a patch of consistently oriented faces sees far more on one side, as
+/// bodies do also where they are open, only that side counts, so what is hidden in front is not
+/// seen through the hollow body behind it. Otherwise, as on leaves, the side that sees more counts.
+/// The orientation of faces does not matter. \param faces       the caller's index of the face of
+/// each place \param barycentric where on its face each place is; >= 0, sum 1 \return one per
+/// place; 0 on faces without area and on all but the first of faces that lie on
 ///         each other
 /// \throw ArgumentError naming the first face out of range; if the lengths differ; Cancelled
 [[nodiscard]] std::vector<double> exposure(const Surface& surface,

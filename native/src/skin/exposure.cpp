@@ -24,7 +24,7 @@ std::vector<double> exposure(const Surface& surface, std::span<const std::int32_
       if (!mesh.counts(face) || !(mesh.geometry(face).moments.area > 0.0)) continue;
       const Vec3 place = surface.point(faces[k], barycentric[k]);
       if (!sky.is_covered(place, faces[k]))
-        result[k] = sky.exposure(place, mesh.geometry(face).normal);
+        result[k] = sky.exposure(place, mesh.geometry(face).normal, faces[k]);
     }
     tally.add(end - begin);
   });

@@ -101,7 +101,7 @@ class Hidden {
   }
 
   [[nodiscard]] bool is_hidden(const Vec3& place, const Vec3& normal, std::int32_t face) const {
-    return !sky_.sees(place, normal, openness_) || sky_.is_covered(place, face);
+    return !sky_.sees(place, normal, face, openness_) || sky_.is_covered(place, face);
   }
 
   Sky sky_;

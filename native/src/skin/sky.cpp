@@ -60,14 +60,24 @@ bool overlap(const std::array<Vec3, 3>& one, const std::array<Vec3, 3>& other, c
 }  // namespace
 
 Sky::Sky(const Surface& surface, const Context* context)
-    : surface_(surface), projector_(surface, false, context), directions_(sky_directions()) {}
+    : surface_(surface), projector_(surface, false, context), directions_(sky_directions()) {
+  const auto free = [this](const Vec3& place, const Vec3& normal) {
+    return free_on_sides(place, normal);
+  };
+  sides_ = outer_sides(surface, free, context);
+}
 
 bool Sky::is_free(const Vec3& place, const Vec3& normal, const Vec3& direction) const {
   constexpr double kForever = 1e30;
   return !projector_.is_blocked({place + projector_.resolution() * normal, direction, kForever});
 }
 
-double Sky::exposure(const Vec3& place, const Vec3& normal) const {
+bool Sky::is_outside(std::int32_t face, std::size_t side) const {
+  const Sides sides = sides_[static_cast<std::size_t>(face)];
+  return sides == Sides::kBoth || (sides == Sides::kFront) == (side == 0);
+}
+
+std::array<double, 2> Sky::free_on_sides(const Vec3& place, const Vec3& normal) const {
   std::array<double, 2> free{}, all{};
   for (const Vec3& direction : directions_) {
     const double above = direction.dot(normal);
@@ -75,16 +85,21 @@ double Sky::exposure(const Vec3& place, const Vec3& normal) const {
     all[side] += 1.0;
     if (is_free(place, above > 0.0 ? normal : Vec3(-normal), direction)) free[side] += 1.0;
   }
-  return std::max(free[0] / std::max(all[0], 1.0), free[1] / std::max(all[1], 1.0));
+  return {free[0] / std::max(all[0], 1.0), free[1] / std::max(all[1], 1.0)};
 }
 
-bool Sky::sees(const Vec3& place, const Vec3& normal, double least) const {
+double Sky::exposure(const Vec3& place, const Vec3& normal, std::int32_t face) const {
+  const std::array<double, 2> free = free_on_sides(place, normal);
+  return std::max(is_outside(face, 0) ? free[0] : 0.0, is_outside(face, 1) ? free[1] : 0.0);
+}
+
+bool Sky::sees(const Vec3& place, const Vec3& normal, std::int32_t face, double least) const {
   std::array<int, 2> all{}, free{};
   for (const Vec3& direction : directions_) ++all[direction.dot(normal) > 0.0 ? 0 : 1];
   const auto needed = [&](std::size_t side) {
     return std::max(1, static_cast<int>(std::ceil(least * all[side])));
   };
-  std::array<int, 2> left = all;
+  std::array<int, 2> left = {is_outside(face, 0) ? all[0] : 0, is_outside(face, 1) ? all[1] : 0};
   for (const Vec3& direction : directions_) {
     const std::size_t side = direction.dot(normal) > 0.0 ? 0 : 1;
     if (free[side] + left[side]-- < needed(side)) continue;
