@@ -441,7 +441,8 @@ Args:
     surface: a Surface of v vertices.
     edge: longest edge at the border of what is hidden, > 0, in the units of the vertices: a tenth of the distance between
         samples suffices.
-    openness: least exposure() of a place that counts as outside, 0..1; more leaves out crevices too.
+    openness: least exposure() of a place that counts as outside, 0..1; more leaves out crevices too. In a hollow part,
+        such as a house without a floor, it must be up to four times as much, or 0.2.
     max_faces: 1..200000000; the rest stays coarser, and resolved is False.
     poses: of (v, 3) float64 each, other places of the vertices while the surface moves: what is hidden in one of them
         counts as hidden.

@@ -33,7 +33,8 @@ inline constexpr int kSkyDirections = 96;
 [[nodiscard]] std::vector<double> exposure(const Surface& surface, Context* context = nullptr);
 
 struct OutsideOptions {
-  /// Least exposure of a place that counts as outside: 0..1; more leaves out crevices too.
+  /// Least exposure of a place that counts as outside: 0..1; more leaves out crevices too. In a
+  /// hollow part, such as a house without a floor, it must be up to four times as much, or 0.2.
   double openness = 0.05;
   /// Longest edge where faces are cut between places that see the sky and places that do not, in
   /// the surface's unit; > 0.

@@ -14,6 +14,10 @@ namespace {
 
 constexpr double kParallel = 1.0 - 1e-6;  // cosine of the angle between faces on each other
 constexpr std::size_t kStride = 35;       // coprime to the number of directions
+// Who looks into a hollow part from below sees a little of the sky from everywhere in it: there a
+// place must see this many times as much as elsewhere, up to this share.
+constexpr double kInsideRatio = 4.0, kInsideMost = 0.2;
+constexpr std::size_t kTold = 8;  // rays that tell how much of what is around is inside
 
 /// Points of a Fibonacci lattice on the unit sphere, in an order in which the first few are spread
 /// too: a place in the open is then known after few rays.
@@ -67,9 +71,13 @@ Sky::Sky(const Surface& surface, const Context* context)
   sides_ = outer_sides(surface, free, context);
 }
 
-bool Sky::is_free(const Vec3& place, const Vec3& normal, const Vec3& direction) const {
+Ray Sky::ray_from(const Vec3& place, const Vec3& normal, const Vec3& direction) const {
   constexpr double kForever = 1e30;
-  return !projector_.is_blocked({place + projector_.resolution() * normal, direction, kForever});
+  return {place + projector_.resolution() * normal, direction, kForever};
+}
+
+bool Sky::is_free(const Vec3& place, const Vec3& normal, const Vec3& direction) const {
+  return !projector_.is_blocked(ray_from(place, normal, direction));
 }
 
 bool Sky::is_outside(std::int32_t face, std::size_t side) const {
@@ -94,19 +102,47 @@ double Sky::exposure(const Vec3& place, const Vec3& normal, std::int32_t face) c
 }
 
 bool Sky::sees(const Vec3& place, const Vec3& normal, std::int32_t face, double least) const {
-  std::array<int, 2> all{}, free{};
-  for (const Vec3& direction : directions_) ++all[direction.dot(normal) > 0.0 ? 0 : 1];
-  const auto needed = [&](std::size_t side) {
-    return std::max(1, static_cast<int>(std::ceil(least * all[side])));
-  };
-  std::array<int, 2> left = {is_outside(face, 0) ? all[0] : 0, is_outside(face, 1) ? all[1] : 0};
+  return (is_outside(face, 0) && sees_over(place, normal, least)) ||
+         (is_outside(face, 1) && sees_over(place, -normal, least));
+}
+
+bool Sky::sees_over(const Vec3& place, const Vec3& normal, double least) const {
+  const auto is_above = [&](const Vec3& direction) { return direction.dot(normal) > 0.0; };
+  const auto all = static_cast<double>(std::ranges::count_if(directions_, is_above));
+  const double inside = std::min(kInsideMost, kInsideRatio * least);
+  const double needed = std::max(1.0, std::ceil(least * all));
+  const double enough = std::max(needed, inside * all);
+  double free = 0.0, left = all;
+  std::vector<Ray> blocked;
   for (const Vec3& direction : directions_) {
-    const std::size_t side = direction.dot(normal) > 0.0 ? 0 : 1;
-    if (free[side] + left[side]-- < needed(side)) continue;
-    if (!is_free(place, side == 0 ? normal : Vec3(-normal), direction)) continue;
-    if (++free[side] >= needed(side)) return true;
+    if (!is_above(direction)) continue;
+    if (free + left < needed) return false;
+    left -= 1.0;
+    const Ray ray = ray_from(place, normal, direction);
+    if (projector_.is_blocked(ray)) {
+      blocked.push_back(ray);
+      continue;
+    }
+    free += 1.0;
+    // In the open this is known after few rays.
+    if (free >= enough || (free == needed && inner_share(blocked) == 0.0)) return true;
   }
-  return false;
+  const double hollow = inner_share(blocked) * (1.0 - free / all);
+  return free >= needed + hollow * (enough - needed);
+}
+
+double Sky::inner_share(std::span<const Ray> rays) const {
+  if (rays.empty()) return 0.0;
+  const std::vector<std::int32_t> hits =
+      projector_.first_hits(rays.first(std::min(rays.size(), kTold)));
+  const OrderedSurface& mesh = surface_.ordered();
+  double inner = 0.0;
+  for (std::size_t k = 0; k < hits.size(); ++k) {
+    if (hits[k] < 0) continue;
+    const double along = rays[k].direction.dot(mesh.geometry(mesh.ordered_face(hits[k])).normal);
+    if (!is_outside(hits[k], along < 0.0 ? 0 : 1)) inner += 1.0;
+  }
+  return inner / static_cast<double>(hits.size());
 }
 
 bool Sky::lie_on_each_other(std::int32_t a, std::int32_t b) const {

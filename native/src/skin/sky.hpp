@@ -17,7 +17,8 @@ class Sky {
   /// sides, over the one that has more of them.
   [[nodiscard]] double exposure(const Vec3& place, const Vec3& normal, std::int32_t face) const;
 
-  /// Whether the exposure is at least `least`, and not 0; looks only as long as that is open.
+  /// Whether the exposure is at least `least`, and not 0; looks only as long as that is open. The
+  /// more of what is around is the inside of hollow parts, the more it must be, see OutsideOptions.
   [[nodiscard]] bool sees(const Vec3& place, const Vec3& normal, std::int32_t face,
                           double least) const;
 
@@ -30,6 +31,10 @@ class Sky {
   [[nodiscard]] std::array<double, 2> free_on_sides(const Vec3& place, const Vec3& normal) const;
   /// Whether a side of a face is outside: 0 the front, 1 the back.
   [[nodiscard]] bool is_outside(std::int32_t face, std::size_t side) const;
+  [[nodiscard]] bool sees_over(const Vec3& place, const Vec3& normal, double least) const;
+  /// The share of these rays that end on a side that is not outside, told by the first few.
+  [[nodiscard]] double inner_share(std::span<const Ray> rays) const;
+  [[nodiscard]] Ray ray_from(const Vec3& place, const Vec3& normal, const Vec3& direction) const;
   [[nodiscard]] bool is_free(const Vec3& place, const Vec3& normal, const Vec3& direction) const;
   [[nodiscard]] bool lie_on_each_other(std::int32_t a, std::int32_t b) const;
 

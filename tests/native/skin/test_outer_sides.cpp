@@ -94,6 +94,33 @@ TEST(OuterSides, AreThoseThatSeeTheMoreSky) {
   EXPECT_EQ(of(0.05, 0.0), Sides::kBoth);  // too little to tell
 }
 
+/// A hollow box without a floor, and a small box that hangs in it at a height.
+Surface with_lamp(double height) {
+  const Shape lamp = placed(box(2), Vec3::Constant(0.2), {0.4, 0.4, height});
+  return joined(open_box(8, 2, 0.0), lamp).surface();
+}
+
+TEST(OuterSides, LeaveOutWhatHangsHighInAHollowBody) {
+  const Surface house = open_box(8, 2, 0.0).surface();
+  const Surface surface = with_lamp(0.7);
+  const std::vector<double> seen = exposure(surface);
+  EXPECT_GT(
+      *std::max_element(seen.begin() + static_cast<std::ptrdiff_t>(house.face_count()), seen.end()),
+      0.1);
+  const auto left = [&](double openness) {
+    return refine_outside(surface, {.openness = openness, .edge = 0.05}).surface.capacity();
+  };
+  // Its lower side looks down through the floor.
+  EXPECT_NEAR(left(0.05), house.area() + 0.04, 1e-9);
+  EXPECT_GT(left(0.0), house.area() + 0.1);
+}
+
+TEST(OuterSides, KeepWhatHangsOutOfAHollowBody) {
+  const Surface house = open_box(8, 2, 0.0).surface();
+  const double left = refine_outside(with_lamp(-0.1), {.edge = 0.05}).surface.capacity();
+  EXPECT_GT(left, house.area() + 0.04 + 4.0 * 0.2 * 0.1);
+}
+
 TEST(OuterSides, KeepSamplesEvenWhereBricksStandOutOfAnOpenWall) {
   const Surface surface = wall_with_brick().surface();
   constexpr std::size_t kCount = 300;
