@@ -104,8 +104,9 @@ struct RemeshResult {
 /// Borders, creases and marked edges stay: their corners are vertices, and vertices along them are
 /// spaced like the others. The mesh has the topology of the surface once every cell is a disc and
 /// any two of them meet along one curve (closed ball property, Edelsbrunner and Shah 1997). Where
-/// that fails sites are added, and as many are taken away elsewhere. Vertices are more than
-/// `count` only where the topology, or `max_distance`, needs more; the report tells.
+/// that fails sites are added, and as many are taken away elsewhere. Thin triangles are made wider
+/// in the end, where lines leave room. Vertices are more than `count` only where the topology, or
+/// `max_distance`, needs more; the report tells.
 /// \throw ArgumentError for options out of range, a count of 0, or naming the first of `edges` that
 ///        is no edge; Cancelled
 [[nodiscard]] RemeshResult remesh(const Surface& surface, std::size_t count,

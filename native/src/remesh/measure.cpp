@@ -6,6 +6,7 @@
 #include <dapple/topology.hpp>
 #include <numbers>
 
+#include "base/elementary.hpp"
 #include "base/parallel.hpp"
 #include "lines/line_edges.hpp"
 #include "surface/ordered_surface.hpp"
@@ -15,17 +16,6 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kNothing = 1e-9;  // a barycentric coordinate: the place is on the edge opposite
-
-/// The smallest angle of a triangle, in degrees; 0 for one without extent.
-double smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const std::array<Vec3, 3> p = {a, b, c};
-  double least = 180.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];
-    least = std::min(least, kDegrees * std::atan2(u.cross(v).norm(), u.dot(v)));
-  }
-  return least;
-}
 
 void measure_angles(RemeshResult& mesh) {
   RemeshReport& report = mesh.report;
@@ -122,6 +112,16 @@ class TouchedFaces {
 };
 
 }  // namespace
+
+double smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const std::array<Vec3, 3> p = {a, b, c};
+  double least = 180.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];
+    least = std::min(least, kDegrees * angle_of(u.cross(v).norm(), u.dot(v)));
+  }
+  return least;
+}
 
 std::vector<std::size_t> facing_away(const Surface& surface, const FeatureLines& lines,
                                      std::span<const Face> triangles, const Sites& vertices) {

@@ -9,6 +9,9 @@
 
 namespace dapple {
 
+/// The smallest angle of a triangle, in degrees; 0 for one without extent.
+[[nodiscard]] double smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c);
+
 /// Write angles, valences and topology of the mesh into its report.
 /// \param lines tell which faces of the surface are turned over in the mesh
 void measure_mesh(const Surface& surface, const FeatureLines& lines, RemeshResult& mesh);

@@ -20,6 +20,7 @@
 #include "remesh/dual.hpp"
 #include "remesh/far_places.hpp"
 #include "remesh/measure.hpp"
+#include "remesh/polish.hpp"
 #include "remesh/site_editor.hpp"
 #include "sample/solve_classes.hpp"
 #include "sample/surface_classes.hpp"
@@ -125,7 +126,8 @@ class Remesher {
     approach(thinning.context());
   }
 
-  [[nodiscard]] RemeshResult result() const;
+  /// The best mesh, with its thin triangles made wider.
+  [[nodiscard]] RemeshResult result(Context* context) const;
   [[nodiscard]] bool has_flaws() const { return !best_.violations.empty(); }
 
   /// The sites of the last solution that are on no line.
@@ -413,6 +415,22 @@ class Remesher {
     return far;
   }
 
+  /// Make thin triangles of a mesh wider, if it stays within the limit of the distance.
+  /// \return the distance
+  double polish_within_limit(RemeshSites& sites, Dual& dual, Context* context) const {
+    const RemeshSites before = sites;
+    const Dual dual_before = dual;
+    polish(surface_, lines_, count_, sites, dual, context);
+    if (options_.max_distance == 0.0 || distance_ == 0.0) return distance_;
+    const double distance = DistanceCheck(surface_, lines_, context)
+                                .far_places(dual, sites.sites, options_.max_distance, context)
+                                .largest;
+    if (distance <= std::max(options_.max_distance, distance_)) return distance;
+    sites = before;
+    dual = dual_before;
+    return distance_;
+  }
+
   /// Space those free sites evenly that were not added where they are needed.
   void settle_others(Context* context) {
     std::vector<bool> moving = sites_.pinned;
@@ -506,22 +524,25 @@ void sort_faces(std::vector<Face>& faces) {
   std::ranges::sort(faces);
 }
 
-RemeshResult Remesher::result() const {
+RemeshResult Remesher::result(Context* context) const {
+  RemeshSites sites = best_sites_;
+  Dual dual = best_;
+  const double distance = polish_within_limit(sites, dual, context);
   RemeshResult mesh;
-  std::vector<std::int32_t> number(best_sites_.size(), -1);
-  for (const Face& triangle : best_.triangles)
+  std::vector<std::int32_t> number(sites.size(), -1);
+  for (const Face& triangle : dual.triangles)
     for (const std::int32_t v : triangle) number[as_index(v)] = 0;
   for (std::size_t k = 0; k < number.size(); ++k) {
     if (number[k] < 0) continue;
     number[k] = static_cast<std::int32_t>(mesh.vertices.size());
-    mesh.vertices.push_back(best_sites_.sites.positions[k]);
-    mesh.source_faces.push_back(best_sites_.sites.faces[k]);
-    mesh.barycentric.push_back(best_sites_.sites.barycentric[k]);
-    mesh.features.push_back(static_cast<VertexFeature>(best_sites_.kinds[k]));
+    mesh.vertices.push_back(sites.sites.positions[k]);
+    mesh.source_faces.push_back(sites.sites.faces[k]);
+    mesh.barycentric.push_back(sites.sites.barycentric[k]);
+    mesh.features.push_back(static_cast<VertexFeature>(sites.kinds[k]));
   }
-  for (const auto& [a, b, c] : best_.triangles)
+  for (const auto& [a, b, c] : dual.triangles)
     mesh.faces.push_back({number[as_index(a)], number[as_index(b)], number[as_index(c)]});
-  for (const auto& [a, b] : best_.lines) {
+  for (const auto& [a, b] : dual.lines) {
     const std::int32_t u = number[as_index(a)], v = number[as_index(b)];
     if (u >= 0 && v >= 0) mesh.lines.push_back({u, v});
   }
@@ -530,7 +551,7 @@ RemeshResult Remesher::result() const {
   mesh.report.asked = count_;
   mesh.report.flaws = best_.violations.size();
   mesh.report.dropped_lines = dropped_lines_;
-  mesh.report.distance = distance_;
+  mesh.report.distance = distance;
   mesh.report.evaluations = evaluations_;
   mesh.report.converged = converged_;
   return mesh;
@@ -589,7 +610,7 @@ RemeshResult remesh_on_finer_faces(const Surface& surface, std::size_t count,
   Stretch first(context, 0.0, kFirst), second(context, kFirst, 1.0);
   remesher.run(first.context());
   if (remesher.has_flaws()) remesher.give_up(second.context());
-  RemeshResult made = remesher.result();
+  RemeshResult made = remesher.result(context);
   name_parents(fine, made);
   return made;
 }
@@ -601,7 +622,7 @@ RemeshResult best_remesh(const Surface& surface, std::size_t count, const Remesh
   const FeatureLines lines(surface, rules_of(surface, count, options), context);
   Remesher remesher(surface, count, options, lines);
   remesher.run(first.context());
-  RemeshResult made = remesher.result();
+  RemeshResult made = remesher.result(context);
   const auto take_better = [&](RemeshResult other) {
     const auto worth = [](const RemeshResult& mesh) {
       return std::tuple(mesh.report.flaws, mesh.report.dropped_lines, mesh.vertices.size());
@@ -613,11 +634,11 @@ RemeshResult best_remesh(const Surface& surface, std::size_t count, const Remesh
                                       second.context()));
   if (made.report.flaws > 0) {
     remesher.give_up(third.context());
-    take_better(remesher.result());
+    take_better(remesher.result(context));
   }
   if (made.report.flaws > 0) {
     remesher.insist(fourth.context());
-    take_better(remesher.result());
+    take_better(remesher.result(context));
   }
   const StageSpan reporting(context, Stage::kReporting);
   measure_mesh(surface, lines, made);

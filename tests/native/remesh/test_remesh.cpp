@@ -355,6 +355,40 @@ TEST(Remesh, NoTriangleOfASmoothBodyFacesAway) {
     }
 }
 
+/// A block three long whose edge is cut off, ever less along its way.
+Surface block_with_a_tapering_chamfer() {
+  std::vector<Vec3> vertices;
+  for (const auto& [z, width] : {std::pair(0.0, 0.02), std::pair(3.0, 0.001)})
+    for (const auto& [x, y] :
+         {std::pair(0.0, 0.0), std::pair(1.0, 0.0), std::pair(1.0, 1.0 - width),
+          std::pair(1.0 - width, 1.0), std::pair(0.0, 1.0)})
+      vertices.push_back({x, y, z});
+  std::vector<Face> faces;
+  for (std::int32_t a = 0; a < 5; ++a) {
+    const std::int32_t b = (a + 1) % 5;
+    faces.push_back({a, b, b + 5});
+    faces.push_back({a, b + 5, a + 5});
+  }
+  for (std::int32_t k = 1; k < 4; ++k) {
+    faces.push_back({0, k + 1, k});
+    faces.push_back({5, k + 5, k + 6});
+  }
+  return Surface(vertices, faces);
+}
+
+TEST(Remesh, HasNoNeedlesAlongATaperingChamfer) {
+  const Surface surface = block_with_a_tapering_chamfer();
+  for (const std::size_t count : {400u, 800u}) {
+    const RemeshResult mesh = remesh(surface, count);
+    EXPECT_GT(mesh.report.smallest_angle, 3.0) << count;
+    EXPECT_EQ(mesh.report.flaws, 0u);
+    EXPECT_EQ(mesh.report.flipped, 0u);
+    EXPECT_EQ(mesh.report.euler, 2);
+    EXPECT_EQ(mesh.vertices.size(), count);
+    expect_consistent(surface, mesh);
+  }
+}
+
 TEST(Remesh, StopsWhenCancelled) {
   Context context;
   context.cancel();
