@@ -252,7 +252,7 @@ void ClassRelaxation::relax_together(std::span<const std::size_t> group, Context
   std::vector<FreeClass> free_classes;
   const Participants participants = participants_of(group);
   for (std::size_t k = 0; k < group.size(); ++k) {
-    const auto domain = domain_of(regions[k].part.surface());
+    const auto& domain = regions[k].part.domain();
     free_classes.push_back(
         {&regions[k], domain, domain->density_unit() / participants.relaxed[k].weight});
   }

@@ -218,7 +218,7 @@ Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Context* conte
 /// Move free sites on density 0 to positive density if that is near, or remove them. One site
 /// always stays, because new ones are inserted beside others.
 void Relaxation::lead_to_density(Region& region, const Context* context) {
-  const auto domain = domain_of(region.part.surface());
+  const auto& domain = region.part.domain();
   const auto is_open = [&](std::size_t k) {
     const Region::Member& member = region.members[k];
     return member.open &&
@@ -254,7 +254,7 @@ void Relaxation::balance(Region& region, Context* context) {
   if (options_.count && free_count() == given_ && static_cast<double>(*options_.count) <= most)
     return rebalance_all(region, context);
   const std::size_t beside_locked = lacking_beside_locked(shared, wanted);
-  const auto domain = domain_of(region.part.surface());
+  const auto& domain = region.part.domain();
   Thinned found = thin_out(region.part.surface(), *domain, region.sites,
                            {region.free(), wanted, std::move(diagram)}, context);
   report_.evaluations += found.evaluations;
@@ -277,7 +277,7 @@ bool Relaxation::is_spread(const Region& region, const RestrictedVoronoi& diagra
 
 /// All sites may move, and each neighborhood gets its number of sites, as in resampling.
 void Relaxation::rebalance_all(Region& region, Context* context) {
-  const auto domain = domain_of(region.part.surface());
+  const auto& domain = region.part.domain();
   const Rebalanced found =
       rebalance(*domain, region.sites, options_.count.value_or(0), options_.seed, context);
   report_.evaluations += found.evaluations;
@@ -287,7 +287,7 @@ void Relaxation::rebalance_all(Region& region, Context* context) {
 
 /// The cells before insertions and removals; stores the target capacity.
 RestrictedVoronoi Relaxation::first_cells(const Region& region, Context* context) {
-  const auto domain = domain_of(region.part.surface());
+  const auto& domain = region.part.domain();
   RestrictedVoronoi diagram =
       in_stage(context, Stage::kCells, [&] { return domain->cells(region.sites, context); });
   ++report_.evaluations;
@@ -420,7 +420,7 @@ void Relaxation::add(const Sites& fresh, Region& region) {
 /// Minimize over the free sites of a region.
 /// \return the sites at its border whose cells are uneven afterward
 Relaxation::Indices Relaxation::even_out(const Region& region, Context* context) {
-  const auto domain = domain_of(region.part.surface());
+  const auto& domain = region.part.domain();
   const Minimum found = minimum(region, domain, context);
   store(region, found.state.sites);
   note(region, found);
@@ -483,7 +483,7 @@ void Relaxation::measure_all(const Region& region, const Minimum& found) {
   std::iota(mine.begin(), mine.end(), 0);
   const Sites sites = select(found.state.sites, mine);
   for (const std::int32_t face : sites.faces) faces.push_back(region.part.outside(face));
-  const auto domain = domain_of(region.part.surface());
+  const auto& domain = region.part.domain();
   const Energy& energy = own_energy(found);  // in units of the part's share
   static_cast<Quality&>(report_) =
       measure(*domain, energy, sites, surface_.normals(faces, sites.barycentric));

@@ -10,6 +10,10 @@
 
 namespace dapple {
 
+/// The domain on the surface of a part: its two sides are not taken apart, and faces without
+/// density far from all sites belong to no cell.
+[[nodiscard]] std::shared_ptr<const SurfaceDomain> domain_of(const Surface& part);
+
 /// Some faces of a surface as a surface of their own, with their connectivity.
 class SurfacePart {
  public:
@@ -18,6 +22,7 @@ class SurfacePart {
   SurfacePart(const Surface& whole, std::span<const OrderedFace> faces, Context* context);
 
   [[nodiscard]] const Surface& surface() const { return surface_; }
+  [[nodiscard]] const std::shared_ptr<const SurfaceDomain>& domain() const { return domain_; }
   /// Faces of the whole surface (caller's indices) as faces of the part; -1 for faces outside it.
   [[nodiscard]] std::int32_t inside(std::int32_t face) const {
     return inside_[static_cast<std::size_t>(face)];
@@ -28,14 +33,11 @@ class SurfacePart {
   }
 
  private:
-  Surface surface_;
   std::vector<std::int32_t> outside_;
   std::vector<std::int32_t> inside_;
+  Surface surface_;
+  std::shared_ptr<const SurfaceDomain> domain_;  // keeps what was made to compute cells
 };
-
-/// The domain on the surface of a part: its two sides are not taken apart, and faces without
-/// density far from all sites belong to no cell.
-[[nodiscard]] std::shared_ptr<const SurfaceDomain> domain_of(const Surface& part);
 
 /// The faces together with the holes that they enclose: faces from which every path outward crosses
 /// them.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <unordered_map>
 
 #include "base/morton.hpp"
 #include "base/progress.hpp"
@@ -101,6 +100,25 @@ std::vector<std::int32_t> dense(std::span<const std::int32_t> numbers) {
   return result;
 }
 
+std::size_t end_of(std::span<const std::int32_t> numbers) {
+  return numbers.empty() ? 0 : static_cast<std::size_t>(*std::ranges::max_element(numbers)) + 1;
+}
+
+/// Per number, the first place that has the same one.
+/// \param numbers as of dense()
+std::vector<std::int32_t> first_with_same(std::span<const std::int32_t> numbers,
+                                          const Context* context) {
+  std::vector<std::int32_t> first(end_of(numbers), -1), result;
+  result.reserve(numbers.size());
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    check_at(context, k);
+    std::int32_t& known = first[static_cast<std::size_t>(numbers[k])];
+    if (known < 0) known = static_cast<std::int32_t>(k);
+    result.push_back(known);
+  }
+  return result;
+}
+
 /// Number the sets of faces connected over edges, in the order of their first faces.
 void find_components(Connectivity& mesh, const Context* context) {
   mesh.component.assign(mesh.faces.size(), -1);
@@ -194,15 +212,9 @@ void link(std::span<const std::int32_t> edges, std::span<const std::int32_t> pla
       visit(numbers[3 * face + h % 3], 0, static_cast<std::int32_t>(h));
     }
   };
-  const std::size_t count =
-      numbers.empty() ? 0 : static_cast<std::size_t>(*std::ranges::max_element(numbers)) + 1;
-  mesh.next_around_edge = link_rings(for_each_key, count, numbers.size(), linking.context());
-  std::unordered_map<std::int32_t, std::int32_t> lowest;
-  for (std::size_t v = 0; v < place_of.size(); ++v) {
-    check_at(context, v);
-    mesh.welded_vertex.push_back(
-        lowest.try_emplace(place_of[v], static_cast<std::int32_t>(v)).first->second);
-  }
+  mesh.next_around_edge =
+      link_rings(for_each_key, end_of(numbers), numbers.size(), linking.context());
+  mesh.welded_vertex = first_with_same(dense(place_of), context);
 }
 
 /// Order the faces and vertices; everything except the links.
