@@ -3,7 +3,7 @@
 
 from .builder import VERSION, VERSION_KEY, version_of
 from .detail import DETAIL_INPUTS
-from .inputs import get_input, has_input, inputs_of, restore_inputs, set_input
+from .inputs import get_input, has_input, input_names, inputs_of, restore_inputs, set_input
 from .scatter import GROUP_NAME, INPUTS, INSTANCE_INPUTS, ensure_group, input_name, is_current
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "get_input",
     "has_input",
     "input_name",
+    "input_names",
     "inputs_of",
     "is_current",
     "restore_inputs",

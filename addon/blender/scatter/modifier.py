@@ -22,6 +22,7 @@ from ...nodes import (
     get_input,
     has_input,
     input_name,
+    input_names,
     is_current,
     set_input,
     version_of,
@@ -133,12 +134,12 @@ def _kinds(obj: bpy.types.Object) -> list[tuple[int | None, bpy.types.PropertyGr
 
 def _lacks_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> bool:
     """Whether the group lacks an input that the settings need."""
-    detailed = _is_detailed(obj)
-    other = detailed != has_input(modifier, DETAIL_INPUTS[0][0])
-    other = other or (obj.dapple.display_as != "INSTANCES" and not has_input(modifier, "Display"))
+    detailed, known = _is_detailed(obj), input_names(modifier)
+    other = detailed != (DETAIL_INPUTS[0][0] in known)
+    other = other or (obj.dapple.display_as != "INSTANCES" and "Display" not in known)
     colored = obj.dapple.color_attribute or obj.dapple.color_image is not None
-    other = other or (bool(colored) and not has_input(modifier, _UV_MAP))
-    return other or any(_lacks_own(modifier, kind, index) for index, kind in _kinds(obj))
+    other = other or (bool(colored) and _UV_MAP not in known)
+    return other or any(_lacks_own(known, kind, index) for index, kind in _kinds(obj))
 
 
 def _uv_map(obj: bpy.types.Object) -> str:
@@ -153,17 +154,15 @@ def _uv_map(obj: bpy.types.Object) -> str:
     return next((one.name for part in layers for one in part if one.active_render), "")
 
 
-def _lacks_own(
-    modifier: bpy.types.NodesModifier, kind: bpy.types.PropertyGroup, index: int | None
-) -> bool:
+def _lacks_own(known: set[str], kind: bpy.types.PropertyGroup, index: int | None) -> bool:
     """Whether the group lacks an input of an object type that differs from its default."""
-    if weights_text(kind) and not has_input(modifier, input_name(_WEIGHTS, index)):
+    if weights_text(kind) and input_name(_WEIGHTS, index) not in known:
         return True
     numbers = [name for name, socket in INSTANCE_INPUTS if socket == "NodeSocketFloat"]
     return any(
         getattr(kind, property_name(name)) != kind.bl_rna.properties[property_name(name)].default
         for name in numbers
-        if not has_input(modifier, input_name(name, index))
+        if input_name(name, index) not in known
     )
 
 
@@ -204,7 +203,8 @@ def linked_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> l
             LinkedInput(input_name(name, index), kind, property_name(name))
             for name, _ in INSTANCE_INPUTS
         ]
-    return [one for one in found if has_input(modifier, one.name)]
+    known = input_names(modifier)
+    return [one for one in found if one.name in known]
 
 
 def _to_input(name: str, value: Any) -> Any:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writing a solution into the file: a new scatter object, its points and their binding."""
 
+from dataclasses import replace
+
 import bpy
 
 from ...core.solve.solve import Scattered
@@ -18,7 +20,7 @@ from ...core.surface.records import (
     Columns,
 )
 from ...core.surface.rest import AtRest
-from ...core.surface.sources import on_faces, sources_of
+from ...core.surface.sources import Sources, on_faces, sources_of
 from ..base.mesh_arrays import to_local, write_columns, write_points
 from .key_writing import clear_keys
 from .linked_data import own_mesh
@@ -41,9 +43,16 @@ def new_scatter(
 
 
 def write_scattered(
-    obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scattered, rest: AtRest | None = None
+    obj: bpy.types.Object,
+    arrays: SurfaceArrays,
+    solved: Scattered,
+    rest: AtRest | None = None,
+    sources: Sources | None = None,
 ) -> None:
-    """Store a result: points, bindings, figures. Keyframes of an older result are deleted."""
+    """Store a result: points, bindings, figures. Keyframes of an older result are deleted.
+
+    The sources of the surface may be known, with the settings but for the count.
+    """
     places = to_local(obj, solved.positions)
     clear_keys(obj)
     mesh = own_mesh(obj)
@@ -53,7 +62,8 @@ def write_scattered(
     mesh[SCHEMA_KEY] = SCHEMA
     forget_edited(obj)
     obj.dapple.solved_settings = settings_text(solved.settings)
-    obj.dapple.solved_from = sources_of(arrays, solved.settings, solved.capacity).text()
+    sources = sources or sources_of(arrays, solved.settings)
+    obj.dapple.solved_from = replace(sources, capacity=solved.capacity).text()
     obj.dapple.locked_count = int(solved.columns["dapple_locked"].sum())
     write_figures(obj, solved)
     write_binding(obj, arrays, solved.binding, rest)

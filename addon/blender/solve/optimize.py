@@ -6,7 +6,6 @@ the work if something changes meanwhile.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import bpy
 
@@ -18,7 +17,7 @@ from ...core.solve.locked import Locked
 from ...core.solve.solve import Scattered, scatter
 from ...core.solve.stale import changed_settings
 from ...core.surface.arrays import SurfaceArrays
-from ...core.surface.sources import sources_of
+from ...core.surface.sources import Sources, sources_of
 from ..base.object_handles import ObjectHandle
 from ..base.quiet import quiet
 from ..freshness.concurrent_edits import check_points_kept, check_writable, points_now
@@ -50,11 +49,15 @@ def optimize_steps(
     with surface_for(handle.get()) as surface:
         before = solved_arrays(handle.get())
         arrays = yield from read_steps(surface, settings, handle, before=before)
-        if not requested and not (yield from _is_outdated(handle, arrays, settings)):
-            return False
+        sources = None
+        if not requested:
+            sources = yield Task(lambda _: sources_of(arrays, settings))
+            if not _is_outdated(handle.get(), sources):
+                return False
         check_faces(surface.get(), arrays)
         kind = _kind(handle.get(), surface.get(), arrays, requested)
-        update = Update(handle, surface, arrays, settings, kind, locked_points(handle.get()))
+        locked = locked_points(handle.get())
+        update = Update(handle, surface, arrays, settings, kind, locked, sources)
         if not requested and _keeps(update):
             yield from _keep_steps(update)
         else:
@@ -82,13 +85,11 @@ class _Guard:
             raise ScatterError(f"Scatter '{obj.name}' was baked meanwhile: nothing was written")
 
 
-def _is_outdated(handle: ObjectHandle, arrays: SurfaceArrays, settings: Settings) -> Any:
+def _is_outdated(obj: bpy.types.Object, now: Sources) -> bool:
     """Whether the result of a scatter is out of date and not edited by hand.
 
     So is one whose figures were not measured, because an undo or a render came between.
     """
-    now = yield Task(lambda _: sources_of(arrays, settings))
-    obj = handle.get()
     return not is_edited(obj) and (not obj.dapple.report.measured or needs_solving(obj, now))
 
 
@@ -116,12 +117,13 @@ class Update:
     settings: Settings
     kind: str  # of the binding
     locked: Locked | None
+    sources: Sources | None = None  # if they are known
 
     def write(self, solved: Scattered) -> None:
         """Store a result."""
         with rest_position(self.surface, self.kind):
             rest = rest_of(self.surface.get(), self.arrays, solved.binding, self.kind)
-            write_solved(self.scatter.get(), self.arrays, solved, rest)
+            write_solved(self.scatter.get(), self.arrays, solved, rest, self.sources)
 
 
 def _from_seed_steps(update: Update, guard: _Guard | None) -> Steps:

@@ -15,6 +15,7 @@ from ...core.solve.solve import Scattered, Solved
 from ...core.surface.arrays import Ints, SurfaceArrays
 from ...core.surface.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, Binding, Columns, binding_from
 from ...core.surface.rest import AtRest
+from ...core.surface.sources import Sources
 from ..base.all_or_nothing import all_or_nothing
 from ..base.handlers import Subscriber
 from ..scatter.points import edited_places, own_columns, point_columns_of, points_digest
@@ -26,11 +27,15 @@ _known: OrderedDict[str, tuple[Solved, Ints]] = OrderedDict()  # with the ids of
 
 
 def write_solved(
-    obj: bpy.types.Object, arrays: SurfaceArrays, scattered: Scattered, rest: AtRest | None = None
+    obj: bpy.types.Object,
+    arrays: SurfaceArrays,
+    scattered: Scattered,
+    rest: AtRest | None = None,
+    sources: Sources | None = None,
 ) -> None:
-    """Store a result, and remember its solution."""
+    """Store a result, and remember its solution. The sources of the surface may be known."""
     with all_or_nothing(bpy.context, [obj]):
-        write_scattered(obj, arrays, scattered, rest)
+        write_scattered(obj, arrays, scattered, rest, sources)
     if scattered.solved is not None:
         _remember(obj.dapple.solved_points, scattered.solved, scattered.columns["id"])
 

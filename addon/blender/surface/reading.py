@@ -36,10 +36,11 @@ class Read:
     def arrays(self) -> SurfaceArrays:
         """All of it as arrays; called in a worker."""
         around = self.nearby.surroundings()
-        like = self.like or unmoved(self.mesh, self.before)
+        still = unmoved(self.mesh, self.before) if self.like is None else None
+        like = self.like or still
         found = surface_of_raw(self.mesh, self.values, around, self.nearby.uv, like)
         if self.like is None:
-            return found
+            return found if still is None else replace(found, vertices=still.vertices)
         weights = {name: self.like.weights[name] for name in self.still}
         digests = self.like.digests | found.digests
         return replace(found, weights=weights | found.weights, digests=digests)

@@ -115,4 +115,4 @@ def _is_alike(before: SurfaceArrays | None, now: SurfaceArrays) -> bool:
     pairs: list[tuple[Any, Any]] = [(before.vertices, now.vertices), (before.faces, now.faces)]
     if now.normals is not None:
         pairs += [(before.normals, now.normals), (before.face_corners, now.face_corners)]
-    return all(np.array_equal(one, other) for one, other in pairs)
+    return all(one is other or np.array_equal(one, other) for one, other in pairs)

@@ -51,7 +51,7 @@ def carried_points(
     before: PreviousResult, arrays: SurfaceArrays, masked: MaskedSurface, settings: Settings
 ) -> tuple[Any, Ints]:
     """dapple.Samples of the existing points on the surface, and the faces that changed."""
-    solved, everything = before.solved, np.arange(len(masked.surface.faces), dtype=np.int32)
+    solved, everything = before.solved, np.arange(masked.face_count, dtype=np.int32)
     ids, classes = before.columns["id"], before.columns["dapple_object_type"]
     if solved is None or not np.array_equal(solved.arrays.faces, arrays.faces):
         samples = samples_of(before.binding, masked.original, ids, classes)

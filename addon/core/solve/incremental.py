@@ -205,7 +205,8 @@ def _with_directions(
     slid = (old >= 0) & ~stays
     if slid.any():
         was, now = before.rows_at(old[slid]), found.rows_at(slid)
-        normals = shading(arrays, _around([was, now], arrays))
+        around = _around([was, now], arrays) if arrays.normals is None else None
+        normals = shading(arrays, around)
         found = found.with_rows(slid, carried(was, now, arrays.vertices, normals))
     return found
 
@@ -215,5 +216,6 @@ def _around(bindings: list[Binding], arrays: SurfaceArrays) -> Ints:
     used = np.zeros(len(arrays.vertices), dtype=bool)
     for binding in bindings:
         used[binding.corners] = True
-    found: Ints = arrays.faces[used[arrays.faces].any(axis=1)]
+    first, second, third = (used[corner] for corner in np.ascontiguousarray(arrays.faces.T))
+    found: Ints = arrays.faces[first | second | third]
     return found

@@ -70,7 +70,7 @@ class Relaxer:
     def _relaxed(self, given: Any, changed: Ints) -> Any:
         """Relax a single class near changes; solve again if most samples would move anyway."""
         wanted = self._wanted()
-        everything = len(changed) == len(self.masked.surface.faces)
+        everything = len(changed) == self.masked.face_count
         if not len(changed) and wanted == len(given):
             return given
         if self.locked is None and _stranded(self.masked, given) > _STRANDED:
@@ -92,7 +92,7 @@ class Relaxer:
 
     def _classes_relaxed(self, given: Any, changed: Ints) -> Any:
         """Relax several classes near changes; solve again if everything changed."""
-        if len(changed) == len(self.masked.surface.faces) or not len(given):
+        if len(changed) == self.masked.face_count or not len(given):
             return self._sampled()
         if self.locked is None and _stranded(self.masked, given) > _STRANDED:
             return self._sampled()

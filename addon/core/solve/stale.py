@@ -9,6 +9,7 @@ invalidate a bake.
 
 import json
 from dataclasses import asdict, dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,7 @@ def changed_settings(stored: str, now: Settings) -> list[str]:
     For names of data in the file only presence is compared; sources.py compares the content.
     Settings that have no effect are ignored.
     """
-    before, defaults = _read(stored), _plain(Settings())
+    before, defaults = _read(stored), _defaults()
     if "count" in before:  # a missing setting is newer than the file: it had its default
         before = defaults | before
         if isinstance(before["density"], dict):
@@ -77,6 +78,12 @@ def _plain(settings: Settings | BakeSettings) -> dict[str, Any]:
     """Settings as values for JSON."""
     values: dict[str, Any] = _rounded(json.loads(json.dumps(asdict(settings))))
     return values
+
+
+@cache
+def _defaults() -> dict[str, Any]:
+    """The settings of a new scatter, which are not to be changed."""
+    return _plain(Settings())
 
 
 def _rounded(value: Any) -> Any:

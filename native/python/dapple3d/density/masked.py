@@ -150,6 +150,7 @@ class MaskedSurface:
         self.surface, self._original, self._context = surface, surface, context
         self._values, self._rest = values or {}, rest
         self._refined: Refined | None = None
+        self._known_faces: tuple[Surface | None, Ints] = None, np.empty((0, 3), dtype=np.int32)
         self._skin: _Skin | None = None
         self._cleared: dict[str, _Cleared] = {}
         self._boundless = [field for field in fields if not field.bounds]
@@ -174,13 +175,18 @@ class MaskedSurface:
         return self._refined is not None
 
     @property
+    def face_count(self) -> int:
+        """Number of faces of `surface`."""
+        return len(self._faces)
+
+    @property
     def pieces(self) -> tuple[Ints, Floats]:
         """For each face of `surface` the original face (m,) that has it, and its corners (m, 3, 3)
         there in barycentric coordinates.
         """
         if self._refined is not None:
             return self._refined.parents, self._refined.barycentric
-        count = len(self.surface.faces)
+        count = len(self._faces)
         corners = np.broadcast_to(np.eye(3), (count, 3, 3))
         return np.arange(count, dtype=np.int32), corners
 
@@ -233,7 +239,7 @@ class MaskedSurface:
         own, common = self._values_of(name), density_of(self.surface)
         if common is not None:
             own.append(common)
-        faces = self.surface.faces
+        faces = self._faces
         return at_corners(product(own, faces) if own else None, faces)
 
     def class_density(self, name: str) -> dict[str, Any]:
@@ -244,7 +250,7 @@ class MaskedSurface:
         if not own:
             return {}
         terms = own if common is None else [*own, common]
-        values, place = placed(product(terms, self.surface.faces))
+        values, place = placed(product(terms, self._faces))
         return {"density": values, "density_at": place}
 
     def clear_borders(self, wanted: Mapping[str, tuple[str, float]]) -> None:
@@ -278,7 +284,7 @@ class MaskedSurface:
 
     def cleared_share(self, name: str) -> float:
         """Share, 0 to 1, of the capacity that values of `clear_borders` leave of theirs."""
-        a, b, c = (self.surface.vertices[self.surface.faces[:, k]] for k in range(3))
+        a, b, c = (self.surface.vertices[self._faces[:, k]] for k in range(3))
         areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
         before, after = (
             float((areas * self.corner_density(one).mean(axis=1)).sum())
@@ -291,11 +297,18 @@ class MaskedSurface:
         density, at = density_of(self.surface), samples.faces
         if density is None:
             return np.ones(len(samples))
-        values = density[at] if density.ndim == 2 else density[self.surface.faces[at]]
+        values = density[at] if density.ndim == 2 else density[self._faces[at]]
         found: Floats = np.einsum(
             "nk,nk->n", samples.barycentric, np.broadcast_to(values, (len(at), 3))
         )
         return found
+
+    @property
+    def _faces(self) -> Ints:
+        """Faces (m, 3) of `surface`, which makes them anew whenever it is asked."""
+        if self._known_faces[0] is not self.surface:
+            self._known_faces = self.surface, self.surface.faces
+        return self._known_faces[1]
 
     def _values_of(self, name: str) -> list[Floats]:
         """The factors of the density that a name stands for; none for ''."""
@@ -304,7 +317,7 @@ class MaskedSurface:
             name = cleared.values
             if cleared.clearance is not None:
                 places = self._places([cleared.clearance])[0]
-                found.append(cleared.clearance.at_corners(places, self.surface.faces))
+                found.append(cleared.clearance.at_corners(places, self._faces))
         return [*found, self._carried(self._values[name])] if name else found
 
     def _check_clearance(self, name: str, values: str, distance: float) -> None:
@@ -323,9 +336,9 @@ class MaskedSurface:
         surface = self.surface
         left = self.corner_density(name).max(axis=1) > 0.0
         for field, points in zip(self._boundless, self._places(self._boundless), strict=True):
-            left |= field.at_corners(points, surface.faces).max(axis=1) == 0.0
+            left |= field.at_corners(points, self._faces).max(axis=1) == 0.0
         vertices = surface.vertices if self._rest is None else self.vertices(self._rest)
-        return border_edges(vertices, surface.faces[left])
+        return border_edges(vertices, self._faces[left])
 
     def _cut_at(self, clearance: Clearance) -> None:
         """Halve the edges of the faces on which a clearance ends, until they are short."""
@@ -333,7 +346,7 @@ class MaskedSurface:
 
         def long(lengths: Floats) -> Flags:
             places = self._places([clearance])
-            return needs_cut([clearance], places, self.surface.faces, lengths, target)
+            return needs_cut([clearance], places, self._faces, lengths, target)
 
         self._halve(long)
 
@@ -389,7 +402,7 @@ class MaskedSurface:
         def long(lengths: Floats) -> Flags:
             target = _FINE * _spacing(self.surface, self._product(fields), count)
             places = self._places(fields)
-            return needs_cut(fields, places, self.surface.faces, lengths, target)
+            return needs_cut(fields, places, self._faces, lengths, target)
 
         self._halve(long)
         self._take_away(fields, balls or (np.empty((0, 3)), np.empty(0)))
@@ -397,7 +410,7 @@ class MaskedSurface:
     def _halve(self, long: Callable[[Floats], Flags]) -> None:
         """Halve the edges of faces, until by their longest edges (m,) none is too long."""
         for _ in range(_ROUNDS):
-            lengths = longest_edges(self.surface.vertices, self.surface.faces)
+            lengths = longest_edges(self.surface.vertices, self._faces)
             chosen = long(lengths)
             if not chosen.any():
                 break
@@ -421,7 +434,7 @@ class MaskedSurface:
 
     def _product(self, fields: Sequence[Field]) -> Floats:
         """The density (m, 3) at the corners of the faces as they are cut so far."""
-        faces = self.surface.faces
+        faces = self._faces
         factors = np.ones((len(faces), 3))
         for field, points in zip(fields, self._places(fields), strict=True):
             factors = factors * field.at_corners(points, faces)
