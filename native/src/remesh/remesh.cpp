@@ -335,10 +335,21 @@ class Remesher {
     std::size_t tried = std::numeric_limits<std::size_t>::max();  // fewer where some spoil others
     for (int k = 0; k < kTurnings && best_.violations.empty(); ++k) {
       const std::vector<Violation> away = away_from_surface(best_, best_sites_);
-      if (away.empty() || tried == 0) break;
+      if (away.empty() || tried == 0 || polish_turns_all(context)) break;
       tried = std::min(tried, away.size());
       if (!turn(away, tried, context)) tried /= 2;
     }
+  }
+
+  /// Whether no triangle of the best mesh faces away any more once thin ones are wider, which costs
+  /// far less than more sites.
+  [[nodiscard]] bool polish_turns_all(Context* context) const {
+    if (options_.max_distance > 0.0) return false;  // it may not be kept
+    if (best_sites_.size() > count_) return false;  // turning may take away those too many
+    RemeshSites sites = best_sites_;
+    Dual dual = best_;
+    polish(surface_, lines_, count_, sites, dual, context);
+    return facing_away(surface_, lines_, dual.triangles, sites.sites).empty();
   }
 
   [[nodiscard]] std::vector<Violation> away_from_surface(const Dual& dual,
