@@ -15,12 +15,11 @@ def _identifier(group: bpy.types.NodeTree, name: str) -> str:
 
 def has_input(modifier: bpy.types.NodesModifier, name: str) -> bool:
     """Whether the node group has an input called name."""
-    items = modifier.node_group.interface.items_tree
-    return any(item.item_type == "SOCKET" and item.name == name for item in items)
+    return name in input_names(modifier)
 
 
 def input_names(modifier: bpy.types.NodesModifier) -> set[str]:
-    """Names for which has_input is true: many are looked up faster in them."""
+    """The names for which has_input is true; look up several names in them."""
     items = modifier.node_group.interface.items_tree
     return {item.name for item in items if item.item_type == "SOCKET"}
 

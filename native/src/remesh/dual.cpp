@@ -6,6 +6,7 @@
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
+#include "base/sort_unique.hpp"
 #include "remesh/cell_sides.hpp"
 #include "surface/ordered_surface.hpp"
 #include "voronoi/cell_builder.hpp"
@@ -75,8 +76,7 @@ class SideGraph {
       if (counts(s) && beside_line(s))
         result.push_back(
             {std::min(at(s).site, at(s).neighbor), std::max(at(s).site, at(s).neighbor)});
-    std::ranges::sort(result);
-    result.erase(std::unique(result.begin(), result.end()), result.end());
+    sort_unique(result);
     return result;
   }
 

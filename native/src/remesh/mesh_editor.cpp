@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/sort_unique.hpp"
+
 namespace dapple {
 namespace {
 
@@ -28,8 +30,7 @@ std::vector<std::int32_t> MeshEditor::neighbors(std::int32_t v) const {
   for (const std::int32_t t : around(v))
     for (const std::int32_t w : triangle(t))
       if (w != v) result.push_back(w);
-  std::ranges::sort(result);
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/progress.hpp"
 #include "base/segment.hpp"
+#include "base/sort_unique.hpp"
 #include "base/triangle.hpp"
 #include "lines/line_sites.hpp"
 #include "remesh/measure.hpp"
@@ -453,8 +454,7 @@ class Polisher {
     std::vector<std::int32_t> result;
     for (const std::int32_t w : mesh_.neighbors(v))
       result.insert(result.end(), mesh_.around(w).begin(), mesh_.around(w).end());
-    std::ranges::sort(result);
-    result.erase(std::unique(result.begin(), result.end()), result.end());
+    sort_unique(result);
     return result;
   }
 

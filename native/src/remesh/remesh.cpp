@@ -13,6 +13,7 @@
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/sets.hpp"
+#include "base/sort_unique.hpp"
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "density/piece_finder.hpp"
@@ -515,8 +516,7 @@ void cut_apart(RemeshResult& mesh) {
     const auto [a, b] = std::minmax(vertex(c), vertex(next(c)));
     if (on_line[as_index(c)]) lines.push_back({a, b});
   }
-  std::ranges::sort(lines);
-  lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
+  sort_unique(lines);
   mesh.lines = std::move(lines);
 }
 

@@ -12,7 +12,7 @@ namespace dapple {
 namespace {
 
 constexpr double kRatio = 2.0, kMargin = 0.1;    // by which the outside sees more than the inside
-constexpr std::size_t kPlaces = 64, kLeast = 4;  // that tell the sides of a patch apart
+constexpr std::size_t kPlaces = 64, kLeast = 4;  // looked from, per patch
 constexpr std::size_t kAllPlaces = 1 << 14;      // of all patches, if they need no more
 
 /// Faces that are connected over edges and oriented alike.
@@ -69,7 +69,7 @@ Vec3 nth_weights(std::size_t k) {
   return {u, v, 1.0 - u - v};
 }
 
-/// The sides of a patch, told by places that are evenly spread over its area.
+/// The outer sides of a patch, found from places spread evenly over its area.
 Sides sides_of(const OrderedSurface& mesh, std::span<const OrderedFace> patch, std::size_t places,
                const FreeOnSides& free) {
   double area = 0.0, passed = 0.0;

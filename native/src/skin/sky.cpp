@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kParallel = 1.0 - 1e-6;  // cosine of the angle between faces on each other
 constexpr std::size_t kStride = 35;       // coprime to the number of directions
-// Who looks into a hollow part from below sees a little of the sky from everywhere in it: there a
-// place must see this many times as much as elsewhere, up to this share.
+// From within a hollow part that is open, every place sees a little of the sky. There a place must
+// see this many times as much as elsewhere, up to this share.
 constexpr double kInsideRatio = 4.0, kInsideMost = 0.2;
-constexpr std::size_t kTold = 8;  // rays that tell how much of what is around is inside
+constexpr std::size_t kInnerRays = 8;  // rays from which inner_share() is estimated
 
 /// Points of a Fibonacci lattice on the unit sphere, in an order in which the first few are spread
 /// too: a place in the open is then known after few rays.
@@ -134,7 +134,7 @@ bool Sky::sees_over(const Vec3& place, const Vec3& normal, double least) const {
 double Sky::inner_share(std::span<const Ray> rays) const {
   if (rays.empty()) return 0.0;
   const std::vector<std::int32_t> hits =
-      projector_.first_hits(rays.first(std::min(rays.size(), kTold)));
+      projector_.first_hits(rays.first(std::min(rays.size(), kInnerRays)));
   const OrderedSurface& mesh = surface_.ordered();
   double inner = 0.0;
   for (std::size_t k = 0; k < hits.size(); ++k) {

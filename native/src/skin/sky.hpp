@@ -32,7 +32,7 @@ class Sky {
   /// Whether a side of a face is outside: 0 the front, 1 the back.
   [[nodiscard]] bool is_outside(std::int32_t face, std::size_t side) const;
   [[nodiscard]] bool sees_over(const Vec3& place, const Vec3& normal, double least) const;
-  /// The share of these rays that end on a side that is not outside, told by the first few.
+  /// The share of these rays that end on the inside of a part, estimated from the first few.
   [[nodiscard]] double inner_share(std::span<const Ray> rays) const;
   [[nodiscard]] Ray ray_from(const Vec3& place, const Vec3& normal, const Vec3& direction) const;
   [[nodiscard]] bool is_free(const Vec3& place, const Vec3& normal, const Vec3& direction) const;
