@@ -162,22 +162,21 @@ class Remesher {
 
   /// The spacing along lines where the density is 1. Where it varies, lines may lie where it is
   /// largest; they get no more sites than all together.
-  [[nodiscard]] double line_spacing() const {
+  [[nodiscard]] double line_spacing(std::size_t count) const {
     const double border = metric_length(surface_, lines_, /*borders_only=*/true);
     return std::max(
-        unit_spacing(surface_, border, count_),
-        metric_length(surface_, lines_, /*borders_only=*/false) / static_cast<double>(count_));
+        unit_spacing(surface_, border, count),
+        metric_length(surface_, lines_, /*borders_only=*/false) / static_cast<double>(count));
   }
 
   void solve(Context* context) {
-    const LineSites on_lines = sites_on_lines(surface_, lines_, line_spacing());
+    const LineSites on_lines = sites_on_lines(surface_, lines_, line_spacing(count_));
     const SampleClass all{.count = std::max(count_, on_lines.sites.size()),
                           .locked = on_lines.sites};
     const Sites start = solution_beside(on_lines.sites, all.count - on_lines.sites.size());
     const bool again = start.size() > 0;
     const ClassMinimum found =
-        again ? solve_from(on_lines.sites, start, context)
-              : dapple::solve(problem_of(all), class_options(options_), context);
+        again ? solve_from(on_lines.sites, start, context) : solve_anew(all, context);
     evaluations_ += found.minimum.evaluations;
     converged_ = found.minimum.converged;
     solution_ = found.minimum.state.sites;
@@ -188,6 +187,14 @@ class Remesher {
       sites_.kinds[k] = k < on_lines.corners ? SiteKind::kCorner : SiteKind::kLine;
       sites_.chains[k] = on_lines.chains[k];
     }
+  }
+
+  [[nodiscard]] ClassMinimum solve_anew(const SampleClass& all, Context* context) const {
+    ClassProblem problem = problem_of(all);
+    problem.classes[0].locked_among = [this](std::size_t count) {
+      return sites_on_lines(surface_, lines_, line_spacing(count)).sites;
+    };
+    return dapple::solve(problem, class_options(options_), context);
   }
 
   /// So many sites of the last solution: those farthest from places on lines, which may be their

@@ -3,6 +3,7 @@
 
 #include <dapple/domain.hpp>
 #include <dapple/sampler.hpp>
+#include <functional>
 #include <span>
 
 #include "optimize/objective.hpp"
@@ -17,6 +18,9 @@ struct ClassProblem {
     double radius = 0.0;
     Sites locked = {};
     double site_capacity = 0.0;  ///< see Term
+    /// What is locked among so many sites, as points on lines are: a class of fewer sites has
+    /// fewer. None: locked sites are the same for any number.
+    std::function<Sites(std::size_t)> locked_among = {};
   };
   std::shared_ptr<const Domain> all;  ///< with the density of the union
   std::vector<Member> classes;

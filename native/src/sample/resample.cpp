@@ -2,16 +2,15 @@
 #include <algorithm>
 #include <dapple/poisson_start.hpp>
 #include <dapple/resample.hpp>
-#include <limits>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
+#include "optimize/chosen_sites.hpp"
 #include "optimize/minimizer.hpp"
-#include "rebalance/among_locked.hpp"
+#include "rebalance/fit_among_locked.hpp"
 #include "rebalance/lead_to_density.hpp"
 #include "rebalance/rebalance.hpp"
-#include "rebalance/widest_gaps.hpp"
 #include "sample/outcome.hpp"
 #include "sample/timed_call.hpp"
 #include "voronoi/cell_surface.hpp"
@@ -48,24 +47,6 @@ void add(const Sites& from, std::size_t k, Sites& sites) {
   sites.barycentric.push_back(from.barycentric[k]);
 }
 
-/// Remove samples with the smallest cells, except locked ones, until the count is reached.
-void keep_to_count(std::size_t count, const std::vector<double>& capacities,
-                   const std::vector<bool>& locked, std::vector<std::size_t>& stay) {
-  const auto room = [&](std::size_t k) {
-    return locked[k] ? std::numeric_limits<double>::infinity() : capacities[k];
-  };
-  while (stay.size() > count)
-    stay.erase(std::min_element(stay.begin(), stay.end(),
-                                [&](std::size_t a, std::size_t b) { return room(a) < room(b); }));
-}
-
-std::vector<double> capacities_of(const RestrictedVoronoi& diagram) {
-  std::vector<double> result;
-  result.reserve(diagram.cells.size());
-  for (const Moments& cell : diagram.cells) result.push_back(cell.capacity);
-  return result;
-}
-
 template <typename T>
 std::vector<T> chosen(const std::vector<T>& from, const std::vector<std::size_t>& which) {
   std::vector<T> result;
@@ -90,26 +71,16 @@ Beginning begin_among_locked(const Surface& surface, const Domain& domain, const
       surface, domain, sites, {locked, kNear * surface.spacing(count), false}, context);
   sites = chosen(sites, rows);
   locked = chosen(locked, rows);
-  std::vector<bool> free = locked;
-  free.flip();
-  RestrictedVoronoi diagram = domain.cells(sites, context);
-  const std::vector<double> capacities = capacities_of(diagram);
-  const SharedCells shared{diagram.cells, std::vector<bool>(sites.size(), true), locked};
-  const double capacity = capacity_for(shared, count);
-  const Surface sided = domain.sampling_surface(count);
-  Thinned thinned = thin_out(sided, domain, sites, {free, capacity, std::move(diagram)}, context);
-  keep_to_count(count, capacities, locked, thinned.stay);
-  rows = chosen(rows, thinned.stay);
+  const FittedSites fitted =
+      fit_among_locked(domain.sampling_surface(count), domain, sites, locked, count, seed, context);
+  rows = chosen(rows, fitted.stay);
   Beginning result{bind_samples(surface, chosen(samples.faces, rows),
                                 chosen(samples.barycentric, rows), chosen(samples.ids, rows)),
-                   chosen(sites, thinned.stay), thinned.evaluations + 1,
-                   chosen(locked, thinned.stay), rows};
+                   chosen(sites, fitted.stay), fitted.evaluations, chosen(locked, fitted.stay),
+                   rows};
   const std::size_t missing = count - result.sites.size();
-  const Sites fresh =
-      widest_gaps(sided, {result.sites, std::vector<bool>(result.sites.size(), true), capacity},
-                  missing, seed, context);
-  for (std::size_t k = 0; k < fresh.size(); ++k) add(fresh, k, result.sites);
-  if (fresh.size() < missing)
+  append(result.sites, fitted.fresh);
+  if (fitted.fresh.size() < missing)
     throw ArgumentError("count is " + std::to_string(count) + ", but there are places for only " +
                         std::to_string(result.sites.size()) + " samples");
   result.locked.resize(count, false);

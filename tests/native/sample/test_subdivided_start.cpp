@@ -57,6 +57,24 @@ TEST(SubdividedStart, GivesLargerPatchesForTheSameWork) {
   EXPECT_GT(few, order_of(surface, 3000, anew) + 0.03);
 }
 
+TEST(SubdividedStart, KeepsToPointsOfLines) {
+  const Surface surface = grid(40).surface();
+  ClassProblem problem = problem_of(surface, 2400);
+  std::size_t asked = 0;
+  problem.classes[0].locked_among = [&](std::size_t count) {
+    ++asked;
+    return poisson_start(surface, count / 20, 1);
+  };
+  problem.classes[0].locked = problem.classes[0].locked_among(2400);
+  const ClassOptions options = options_of_one(lattice());
+  ASSERT_TRUE(can_subdivide(problem, options));
+  const SubdividedStart start = subdivided_start(problem, options, nullptr);
+  ASSERT_EQ(start.sites.size(), 2400u);
+  EXPECT_GE(asked, 3u) << "coarser levels have their own";
+  for (std::size_t k = 0; k < 120; ++k)
+    EXPECT_EQ(start.sites.positions[k], problem.classes[0].locked.positions[k]);
+}
+
 TEST(SubdividedStart, IsForLatticesOfFreeSitesOnly) {
   const Surface surface = blob(4).surface();
   const auto can = [&](std::size_t count, const SampleOptions& options) {
