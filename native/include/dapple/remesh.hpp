@@ -22,7 +22,7 @@ enum class NonManifold {
   OptimizerOptions options;
   options.capacity_weight = 0.3;
   options.repulsion_weight = 0.0;
-  options.tolerance = 1e-5;
+  options.tolerance = 5e-4;
   options.max_evaluations = 80;
   return options;
 }

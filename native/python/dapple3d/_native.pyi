@@ -750,7 +750,7 @@ def remesh(
     non_manifold: Literal["kept", "cut"] = "kept",
     capacity_weight: float = 0.3,
     repulsion_weight: float = 0.0,
-    tolerance: float = 1e-05,
+    tolerance: float = 0.0005,
     max_evaluations: int = 80,
     method: Literal["trust_region", "line_search"] = "trust_region",
     cells: Literal["connected", "euclidean"] = "connected",

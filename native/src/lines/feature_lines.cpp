@@ -7,6 +7,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/sets.hpp"
 #include "base/validate.hpp"
@@ -17,6 +18,8 @@
 
 namespace dapple {
 namespace {
+
+constexpr std::size_t kGrain = 1024;  // half-edges
 
 /// Of the corners along a line that turns over several edges, only the sharpest within the scale
 /// stays.
@@ -96,30 +99,33 @@ void FeatureLines::orient(const OrderedSurface& mesh, const Context* context) {
 
 void FeatureLines::classify(const OrderedSurface& mesh, const LineRules& rules,
                             const Context* context) {
+  parallel_chunks(kinds_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    check_context(context);
+    for (std::size_t k = begin; k < end; ++k)
+      kinds_[k] = classified(mesh, static_cast<std::int32_t>(k), rules);
+  });
+}
+
+/// What a half-edge is by the faces around it.
+LineKind FeatureLines::classified(const OrderedSurface& mesh, std::int32_t h,
+                                  const LineRules& rules) const {
+  if (!mesh.counts(face_of(h))) return LineKind::kNone;
+  const int faces = faces_around(mesh, h);
+  if (faces == 1 && rules.borders) return LineKind::kBorder;
+  if (faces > 2 && rules.borders) return LineKind::kSeam;
+  if (faces != 2) return LineKind::kNone;
+  const std::int32_t g = mesh.next_around(h);
+  const int signs = sign(face_of(h)) * sign(face_of(g));
+  const bool alike = start_of(mesh, h) != start_of(mesh, g);
+  if ((signs > 0) != alike) return rules.borders ? LineKind::kSeam : LineKind::kNone;
+  if (rules.feature_angle >= 180.0) return LineKind::kNone;
+  const std::int32_t left = beside_needles(mesh, h, rules.scale);
+  const std::int32_t right = beside_needles(mesh, g, rules.scale);
+  if (left < 0 || right < 0) return LineKind::kNone;
+  const Vec3 a = sign(face_of(left)) * mesh.geometry(face_of(left)).normal;
+  const Vec3 b = sign(face_of(right)) * mesh.geometry(face_of(right)).normal;
   const double limit = std::cos(rules.feature_angle * std::numbers::pi / 180.0);
-  for (std::size_t k = 0; k < kinds_.size(); ++k) {
-    check_at(context, k);
-    const auto h = static_cast<std::int32_t>(k);
-    if (!mesh.counts(face_of(h))) continue;
-    const int faces = faces_around(mesh, h);
-    if (faces == 1 && rules.borders) kinds_[k] = LineKind::kBorder;
-    if (faces > 2 && rules.borders) kinds_[k] = LineKind::kSeam;
-    if (faces != 2) continue;
-    const std::int32_t g = mesh.next_around(h);
-    const int signs = sign(face_of(h)) * sign(face_of(g));
-    const bool alike = start_of(mesh, h) != start_of(mesh, g);
-    if ((signs > 0) != alike) {
-      if (rules.borders) kinds_[k] = LineKind::kSeam;
-      continue;
-    }
-    if (rules.feature_angle >= 180.0) continue;
-    const std::int32_t left = beside_needles(mesh, h, rules.scale);
-    const std::int32_t right = beside_needles(mesh, g, rules.scale);
-    if (left < 0 || right < 0) continue;
-    const Vec3 a = sign(face_of(left)) * mesh.geometry(face_of(left)).normal;
-    const Vec3 b = sign(face_of(right)) * mesh.geometry(face_of(right)).normal;
-    if (a.dot(b) < limit) kinds_[k] = LineKind::kCrease;
-  }
+  return a.dot(b) < limit ? LineKind::kCrease : LineKind::kNone;
 }
 
 void FeatureLines::mark(const OrderedSurface& mesh,

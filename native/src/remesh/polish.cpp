@@ -20,7 +20,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kGoal = 30.0;        // degrees: triangles with smaller angles are thin
+constexpr double kGoal = 36.0;        // degrees: triangles with smaller angles are thin
 constexpr double kGoalBeside = 38.0;  // the same beside added vertices
 // Triangles between lines may be this much thinner than others, up to so many degrees.
 constexpr double kBetween = 1.5, kMostBetween = 8.0;

@@ -215,7 +215,10 @@ std::vector<CellPolygon> CellBuilder::polygons(Context* context) {
       collect(static_cast<std::int32_t>(s), cells[original(static_cast<std::int32_t>(s))]);
     tally.add(end - begin);
   });
+  std::size_t pieces = 0;
+  for (const auto& cell : cells) pieces += cell.size();
   std::vector<CellPolygon> result;
+  result.reserve(pieces);
   for (auto& cell : cells) std::move(cell.begin(), cell.end(), std::back_inserter(result));
   return result;
 }
@@ -464,7 +467,10 @@ void CellBuilder::collect(std::int32_t site, std::vector<CellPolygon>& out) {
       worker, site,
       [&](OrderedFace face, bool) {
         CellPolygon piece{sites_.original(site), surface_.ordered().original_face(face), {}, {}};
-        for (const Polygon::Corner& corner : flood.polygon().corners()) {
+        const auto& corners = flood.polygon().corners();
+        piece.points.reserve(corners.size());
+        piece.edges.reserve(corners.size());
+        for (const Polygon::Corner& corner : corners) {
           piece.points.push_back(corner.x + flood.position());
           piece.edges.push_back(
               corner.edge < 0 ? corner.edge : sites_.original(flood.bisector(corner.edge).site));

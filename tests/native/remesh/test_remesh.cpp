@@ -97,7 +97,7 @@ TEST(Remesh, HasExactlyAsManyVerticesAsAsked) {
 
 TEST(Remesh, MakesGoodTriangles) {
   const RemeshResult mesh = remesh(icosphere(4).surface(), 1000);
-  EXPECT_GT(mesh.report.smallest_angle, 33.0);
+  EXPECT_GT(mesh.report.smallest_angle, 35.0);
   EXPECT_GT(mesh.report.mean_smallest_angle, 53.0);
   EXPECT_GT(mesh.report.valence_6, 0.8);
   EXPECT_EQ(mesh.report.flipped, 0u);
@@ -179,6 +179,12 @@ TEST(Remesh, KeepsBordersWhereTheyAre) {
   EXPECT_EQ(mesh.report.corners, 4u);
   EXPECT_EQ(mesh.report.border_loops, 1);
   EXPECT_NEAR(area_of(mesh.vertices, mesh.faces), 1.0, 1e-12);
+}
+
+TEST(Remesh, IsNearlyALatticeBesideBorders) {
+  const RemeshResult mesh = remesh(grid(40).surface(), 2000);
+  EXPECT_GT(mesh.report.valence_6, 0.9);
+  EXPECT_LT(mesh.report.evaluations, 40);
 }
 
 TEST(Remesh, KeepsMarkedEdges) {
