@@ -77,14 +77,16 @@ class Surface {
           const SurfaceOptions& options = {}, Context* context = nullptr);
 
   /// The same with known connections, wherever the vertices are. Corners coincide as `joints` says.
-  /// \throw SurfaceError also if the lengths of `joints` do not fit or the angle is out of range;
-  /// Cancelled
+  /// \param normals as in with_normals(), or none
+  /// \throw SurfaceError also if the lengths of `joints` do not fit or the angle is out of range,
+  /// and as with_normals(); Cancelled
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density,
           const Joints& joints, double sharp_angle = SurfaceOptions{}.sharp_angle,
-          bool merge_doubled = SurfaceOptions{}.merge_doubled, Context* context = nullptr);
+          bool merge_doubled = SurfaceOptions{}.merge_doubled, Context* context = nullptr,
+          std::span<const Vec3> normals = {});
 
   /// The same faces and density over moved vertices (as many, in the same order). Hard edges stay
-  /// hard, whatever their angle is now; normals from with_normals() are dropped.
+  /// hard, whatever their angle is now; if a vertex moves, normals from with_normals() are dropped.
   /// \throw SurfaceError as the constructor; Cancelled
   [[nodiscard]] Surface deformed(std::span<const Vec3> vertices, Context* context = nullptr) const;
 

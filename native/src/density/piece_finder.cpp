@@ -64,6 +64,7 @@ template <typename Visit>
 void PieceFinder::for_each_cell(std::size_t piece, const Visit& visit) const {
   const auto& [a, b, c] = refined_.barycentric[piece];
   const Grid& grid = grids_[static_cast<std::size_t>(refined_.parents[piece])];
+  if (grid.side == 1) return visit(grid.first);
   const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
   for (std::int32_t row = along(grid, low[1]); row <= along(grid, high[1]); ++row)
     for (std::int32_t column = along(grid, low[2]); column <= along(grid, high[2]); ++column)

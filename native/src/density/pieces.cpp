@@ -4,6 +4,8 @@
 #include <numeric>
 
 #include "base/progress.hpp"
+#include "base/vectors.hpp"
+#include "surface/corner_normals.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -58,18 +60,16 @@ std::vector<double> carried_density(const Surface& surface, const Refined& refin
 
 std::vector<Vec3> carried_normals(const Surface& surface, const Refined& refined,
                                   const Context* context) {
-  std::vector<std::int32_t> faces;
-  std::vector<Vec3> weights;
-  faces.reserve(3 * refined.parents.size());
-  weights.reserve(faces.capacity());
-  for (std::size_t f = 0; f < refined.parents.size(); ++f) {
-    check_at(context, f);
-    for (const Vec3& corner : refined.barycentric[f]) {
-      faces.push_back(refined.parents[f]);
-      weights.push_back(corner);
-    }
-  }
-  return surface.normals(faces, weights);
+  if (!surface.has_normals()) return {};
+  check_context(context);
+  const OrderedSurface& mesh = surface.ordered();
+  const CornerNormals at_corners(mesh, refined.parents);
+  std::vector<Vec3> result(3 * refined.parents.size());
+  for_each_vector(result.size(), [&](std::size_t k) {
+    const OrderedFace parent = mesh.ordered_face(refined.parents[k / 3]);
+    result[k] = at_corners.between(parent, refined.barycentric[k / 3][k % 3]);
+  });
+  return result;
 }
 
 }  // namespace dapple

@@ -29,7 +29,7 @@ inline EdgeMarks longer_than(double limit, const std::array<Vec3, 3>& t) {
 [[nodiscard]] std::vector<std::int32_t> carried_bodies(const Surface& surface,
                                                        std::span<const std::int32_t> parents);
 
-/// The normals of the surface at the corners of pieces of its faces.
+/// The normals given to a surface, at the corners of pieces of its faces; empty if none are.
 [[nodiscard]] std::vector<Vec3> carried_normals(const Surface& surface, const Refined& refined,
                                                 const Context* context);
 

@@ -349,11 +349,10 @@ Refined CutMesh::result(bool resolved, Context* context) && {
   }
   const std::vector<double> density = carried_density(*surface_, refined, context);
   const std::vector<std::int32_t> bodies = carried_bodies(*surface_, refined.parents);
-  refined.surface = Surface(vertices_, faces, Density{DensityAt::kCorners, density},
-                            Joints{joined_edges(), places(), bodies}, surface_->sharp_angle(),
-                            /*merge_doubled=*/false, context);
-  if (surface_->has_normals())
-    refined.surface = refined.surface.with_normals(carried_normals(*surface_, refined, context));
+  refined.surface =
+      Surface(vertices_, faces, Density{DensityAt::kCorners, density},
+              Joints{joined_edges(), places(), bodies}, surface_->sharp_angle(),
+              /*merge_doubled=*/false, context, carried_normals(*surface_, refined, context));
   return refined;
 }
 

@@ -123,6 +123,11 @@ Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
     taken.push_back(in_area(refined.parents[f]) ||
                     balls.reach(refined.parents[f], corners_of(fine, face)));
   }
+  const bool takes = std::find(taken.begin(), taken.end(), 1) != taken.end();
+  if (!takes && refined.surface.density_at() == DensityAt::kCorners && !refined.surface.uniform()) {
+    if (context) context->advance(1.0);
+    return refined;
+  }
   const std::vector<double> density = density_without(refined.surface, taken);
   if (density.empty())
     throw ArgumentError("points and areas take all of the surface: nothing can be placed");

@@ -6,6 +6,15 @@
 #include "base/validate.hpp"
 
 namespace dapple {
+namespace {
+
+/// Whether a piece is a whole face.
+bool is_whole(const std::array<Vec3, 3>& piece) {
+  return piece[0] == Vec3::UnitX() && piece[1] == Vec3::UnitY() && piece[2] == Vec3::UnitZ();
+}
+
+}  // namespace
+
 std::vector<Vec3> Refined::vertices(std::span<const Vec3> coarse) const {
   check_same_length("vertices", coarse.size(), "the surface", original.vertex_count());
   std::vector<Vec3> result(coarse.begin(), coarse.end());
@@ -38,13 +47,15 @@ Refined Refined::then(const Refined& finer) const {
                  std::max(inset, finer.inset)};
   result.ends.insert(result.ends.end(), finer.ends.begin(), finer.ends.end());
   result.shares.insert(result.shares.end(), finer.shares.begin(), finer.shares.end());
+  result.parents.reserve(finer.parents.size());
+  result.barycentric.reserve(finer.parents.size());
   for (std::size_t f = 0; f < finer.parents.size(); ++f) {
     const auto middle = static_cast<std::size_t>(finer.parents[f]);
     result.parents.push_back(parents[middle]);
-    std::array<Vec3, 3> corners;
+    std::array<Vec3, 3>& corners = result.barycentric.emplace_back(barycentric[middle]);
+    if (is_whole(finer.barycentric[f])) continue;
     for (std::size_t k = 0; k < 3; ++k)
       corners[k] = combined(barycentric[middle], finer.barycentric[f][k]);
-    result.barycentric.push_back(corners);
   }
   return result;
 }

@@ -336,11 +336,10 @@ class Cutter {
   Refined finish() {
     const std::vector<double> density = carried_density(surface_, result_, context_);
     const std::vector<std::int32_t> found = bodies();
-    result_.surface = Surface(result_.vertices(vertices_), new_faces_,
-                              Density{DensityAt::kCorners, density}, Joints{edges_, places_, found},
-                              surface_.sharp_angle(), /*merge_doubled=*/false, context_);
-    if (surface_.has_normals())
-      result_.surface = result_.surface.with_normals(carried_normals(surface_, result_, context_));
+    result_.surface =
+        Surface(result_.vertices(vertices_), new_faces_, Density{DensityAt::kCorners, density},
+                Joints{edges_, places_, found}, surface_.sharp_angle(), /*merge_doubled=*/false,
+                context_, carried_normals(surface_, result_, context_));
     return std::move(result_);
   }
 

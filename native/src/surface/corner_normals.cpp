@@ -171,6 +171,7 @@ CornerNormals::CornerNormals(const OrderedSurface& mesh, std::span<const std::in
   std::vector<std::size_t> ends;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     check_at(f);
+    if (f > 0 && faces[f] == faces[f - 1]) continue;
     for (std::int32_t k = 0; k < 3; ++k) {
       const std::int32_t corner = half_edge(mesh.ordered_face(faces[f]), k);
       if (fan_[static_cast<std::size_t>(corner)] >= 0 || is_given(corner)) continue;
@@ -192,6 +193,21 @@ const Vec3& CornerNormals::at(OrderedFace face, std::int32_t corner) const {
   const std::int32_t h = half_edge(face, corner);
   if (is_given(h)) return mesh_.shading().given[static_cast<std::size_t>(h)];
   return normals_[static_cast<std::size_t>(fan_[static_cast<std::size_t>(h)])];
+}
+
+Vec3 CornerNormals::direction_at(OrderedFace face, std::int32_t corner) const {
+  return direction_of(face, at(face, corner));
+}
+
+Vec3 CornerNormals::between(OrderedFace face, const Vec3& weights) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::int32_t c = 0; c < 3; ++c) sum += weights[c] * at(face, c);
+  return direction_of(face, sum);
+}
+
+Vec3 CornerNormals::direction_of(OrderedFace face, const Vec3& sum) const {
+  const Vec3& own = mesh_.geometry(face).normal;
+  return sum.norm() > 1e-6 ? sum.normalized() : own.isZero(0.0) ? Vec3(0, 0, 1) : own;
 }
 
 bool CornerNormals::is_given(std::int32_t corner) const {

@@ -33,7 +33,15 @@ class CornerNormals {
   /// \pre the face was requested
   [[nodiscard]] const Vec3& at(OrderedFace face, std::int32_t corner) const;
 
+  /// The same as a direction: where normals cancel, as on a sheet folded flat, the face's own
+  /// normal; for a face without area, the z axis.
+  /// \pre as at()
+  [[nodiscard]] Vec3 direction_at(OrderedFace face, std::int32_t corner) const;
+  /// The direction of the normals of the three corners, added with weights.
+  [[nodiscard]] Vec3 between(OrderedFace face, const Vec3& weights) const;
+
  private:
+  [[nodiscard]] Vec3 direction_of(OrderedFace face, const Vec3& sum) const;
   [[nodiscard]] bool is_given(std::int32_t corner) const;
 
   const OrderedSurface& mesh_;

@@ -48,6 +48,11 @@ FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool unif
   return face;
 }
 
+bool same_bytes(const Vec3& a, const Vec3& b) {
+  return std::ranges::equal(std::as_bytes(std::span(a.data(), 3)),
+                            std::as_bytes(std::span(b.data(), 3)));
+}
+
 }  // namespace
 
 DensityLayout density_layout(const Connectivity& mesh, DensityAt at) {
@@ -76,6 +81,14 @@ OrderedSurface OrderedSurface::deformed(std::span<const Vec3> vertices, Context*
     result.shading_ =
         std::make_shared<const Shading>(Shading{shading_->sharp_angle, shading_->hard, {}});
   return result;
+}
+
+bool OrderedSurface::has_vertices(std::span<const Vec3> vertices) const {
+  if (vertices.size() != vertex_count()) return false;
+  const std::vector<std::int32_t>& original = connectivity_->original_vertex;
+  for (std::size_t v = 0; v < original.size(); ++v)
+    if (!same_bytes((*vertices_)[v], vertices[static_cast<std::size_t>(original[v])])) return false;
+  return true;
 }
 
 OrderedSurface OrderedSurface::shaded(std::shared_ptr<const Shading> shading) const {

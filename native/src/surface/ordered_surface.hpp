@@ -47,6 +47,9 @@ class OrderedSurface {
   /// The same with other shading; a new surface has no hard edges yet.
   [[nodiscard]] OrderedSurface shaded(std::shared_ptr<const Shading> shading) const;
 
+  /// Whether these are exactly the vertices, in the caller's order.
+  [[nodiscard]] bool has_vertices(std::span<const Vec3> vertices) const;
+
   /// The faces whose corners or densities differ from another's of the same connectivity; sorted.
   [[nodiscard]] std::vector<OrderedFace> changed_faces(const OrderedSurface& before) const;
 

@@ -99,6 +99,13 @@ void check_sharp_angle(double degrees) {
     throw SurfaceError("sharp_angle is " + number(degrees) + ": it must be in 0..180 degrees");
 }
 
+void check_normals(std::span<const Vec3> corners, std::size_t face_count) {
+  if (corners.size() != 3 * face_count)
+    throw SurfaceError("normals has " + std::to_string(corners.size()) + " rows for " +
+                       std::to_string(3 * face_count) + " corners: three per face are needed");
+  check_finite<SurfaceError>("normals", corners);
+}
+
 std::shared_ptr<const OrderedSurface> shaded_by_angle(const OrderedSurface& plain, double degrees) {
   return std::make_shared<const OrderedSurface>(plain.shaded(shading_by_angle(plain, degrees)));
 }
@@ -110,10 +117,10 @@ std::vector<Vec3> unit_normals(std::span<const Vec3> corners) {
   return result;
 }
 
-/// The direction of a sum of normals on a face. If they cancel, as on a sheet folded flat, the
-/// face's own normal is used; for a face without area, the z axis.
-Vec3 direction_of(const Vec3& sum, const Vec3& own) {
-  return sum.norm() > 1e-6 ? sum.normalized() : own.isZero(0.0) ? Vec3(0, 0, 1) : own;
+std::shared_ptr<const OrderedSurface> shaded_by_normals(const OrderedSurface& plain, double degrees,
+                                                        std::span<const Vec3> corners) {
+  return std::make_shared<const OrderedSurface>(
+      plain.shaded(shading_of_normals(plain, degrees, unit_normals(corners))));
 }
 
 /// Ordered faces of ordered vertices, converted to the caller's order of both.
@@ -150,15 +157,17 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
                  const Density& density, const Joints& joints, double sharp_angle,
-                 bool merge_doubled, Context* context) {
+                 bool merge_doubled, Context* context, std::span<const Vec3> normals) {
   check_mesh(vertices, faces, density);
   check_joints(joints, vertices.size(), faces.size());
   check_sharp_angle(sharp_angle);
+  if (!normals.empty()) check_normals(normals, faces.size());
   Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
   const OrderedSurface plain(vertices,
                              connect(vertices, faces, joints, merge_doubled, connecting.context()),
                              density, measuring.context());
-  ordered_ = shaded_by_angle(plain, sharp_angle);
+  ordered_ = normals.empty() ? shaded_by_angle(plain, sharp_angle)
+                             : shaded_by_normals(plain, sharp_angle, normals);
   if (context) context->advance(1.0);
 }
 
@@ -169,7 +178,8 @@ Surface Surface::deformed(std::span<const Vec3> vertices, Context* context) cons
                        " vertices, and deforming keeps their number");
   check_finite<SurfaceError>("vertices", vertices);
   Surface result = *this;
-  result.ordered_ = std::make_shared<const OrderedSurface>(ordered_->deformed(vertices, context));
+  if (!ordered_->has_vertices(vertices))
+    result.ordered_ = std::make_shared<const OrderedSurface>(ordered_->deformed(vertices, context));
   if (context) context->advance(1.0);
   return result;
 }
@@ -184,13 +194,9 @@ Surface Surface::with_density(const Density& density, Context* context) const {
 }
 
 Surface Surface::with_normals(std::span<const Vec3> corners) const {
-  if (corners.size() != 3 * face_count())
-    throw SurfaceError("normals has " + std::to_string(corners.size()) + " rows for " +
-                       std::to_string(3 * face_count()) + " corners: three per face are needed");
-  check_finite<SurfaceError>("normals", corners);
+  check_normals(corners, face_count());
   Surface result = *this;
-  result.ordered_ = std::make_shared<const OrderedSurface>(
-      ordered_->shaded(shading_of_normals(*ordered_, sharp_angle(), unit_normals(corners))));
+  result.ordered_ = shaded_by_normals(*ordered_, sharp_angle(), corners);
   return result;
 }
 
@@ -278,10 +284,7 @@ std::vector<Vec3> Surface::counted_normals(std::span<const std::int32_t> faces,
   const CornerNormals at_corners(*ordered_, faces);
   std::vector<Vec3> result(faces.size());
   for_each_vector(faces.size(), [&](std::size_t k) {
-    const OrderedFace f = ordered_->ordered_face(faces[k]);
-    Vec3 sum = Vec3::Zero();
-    for (std::int32_t c = 0; c < 3; ++c) sum += weights[k][c] * at_corners.at(f, c);
-    result[k] = direction_of(sum, ordered_->geometry(f).normal);
+    result[k] = at_corners.between(ordered_->ordered_face(faces[k]), weights[k]);
   });
   return result;
 }
@@ -298,8 +301,7 @@ std::vector<Vec3> Surface::corner_normals() const {
       f = doubled->counted;
       corner = doubled->corners[corner];
     }
-    result[k] = direction_of(at_corners.at(f, static_cast<std::int32_t>(corner)),
-                             ordered_->geometry(f).normal);
+    result[k] = at_corners.direction_at(f, static_cast<std::int32_t>(corner));
   });
   return result;
 }

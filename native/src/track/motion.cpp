@@ -7,17 +7,11 @@
 #include <cmath>
 
 #include "base/vectors.hpp"
-#include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
 
 constexpr double kSmall = 0.05;  // extent of a small motion; mirrored bodies have larger values
-
-bool same_bytes(const Vec3& a, const Vec3& b) {
-  return std::ranges::equal(std::as_bytes(std::span(a.data(), 3)),
-                            std::as_bytes(std::span(b.data(), 3)));
-}
 
 /// x -> map x + shift.
 struct Similarity {
@@ -100,16 +94,6 @@ Motion aligned(std::span<const Vec3> before, std::span<const Vec3> after,
 }
 
 }  // namespace
-
-bool has_vertices(const Surface& surface, std::span<const Vec3> vertices) {
-  if (vertices.size() != surface.vertex_count()) return false;
-  const std::vector<std::int32_t>& original = surface.ordered().connectivity().original_vertex;
-  for (std::size_t v = 0; v < original.size(); ++v)
-    if (!same_bytes(surface.ordered().vertices()[v],
-                    vertices[static_cast<std::size_t>(original[v])]))
-      return false;
-  return true;
-}
 
 Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after,
                       std::span<const Face> faces, std::span<const std::int32_t> measured) {

@@ -7,9 +7,6 @@
 
 namespace dapple {
 
-/// Whether the surface has exactly these vertices (in the caller's order).
-[[nodiscard]] bool has_vertices(const Surface& surface, std::span<const Vec3> vertices);
-
 /// The change of a body's shape from one frame to the next, apart from moving, scaling and
 /// mirroring as a whole, which do not affect evenness.
 struct Motion {

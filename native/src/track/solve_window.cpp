@@ -9,6 +9,7 @@
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
 #include "sample/timed_call.hpp"
+#include "surface/ordered_surface.hpp"
 #include "track/motion.hpp"
 
 namespace dapple {
@@ -50,7 +51,7 @@ class Window {
  private:
   const Surface& surface(std::size_t t) {
     if (t == 0) return begin_.surface();
-    if (!has_vertices(last_asked_, frames_[t - 1]))
+    if (!last_asked_.ordered().has_vertices(frames_[t - 1]))
       last_asked_ = begin_.surface().deformed(frames_[t - 1]);
     return last_asked_;
   }
@@ -131,7 +132,8 @@ class Window {
   };
 
   [[nodiscard]] bool is_at(const Rest& rest, std::size_t t) const {
-    return has_vertices(rest.surface, frames_[t - 1]) && same_places(samples_[t], rest.samples);
+    return rest.surface.ordered().has_vertices(frames_[t - 1]) &&
+           same_places(samples_[t], rest.samples);
   }
 
   /// Move the samples of a frame and restore its evenness close to these positions.

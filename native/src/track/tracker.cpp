@@ -11,6 +11,7 @@
 #include "sample/outcome.hpp"
 #include "sample/timed_call.hpp"
 #include "sample/validate_samples.hpp"
+#include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
 #include "track/frame_solver.hpp"
 #include "track/motion.hpp"
@@ -85,7 +86,7 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options, Conte
 
 /// Whether nothing moved and no evenness remains to be restored.
 bool Tracker::rests_at(std::span<const Vec3> vertices) const {
-  return settled_ && has_vertices(surface_, vertices);
+  return settled_ && surface_.ordered().has_vertices(vertices);
 }
 
 const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context) {

@@ -204,6 +204,17 @@ TEST(CornerNormals, KeepsThePlacesWhereGivenNormalsJump) {
   EXPECT_LE(most_from_faces(taller, moved), 1e-6);
 }
 
+TEST(CornerNormals, IsKeptWhereNothingMoves) {
+  const Shape shape = box(2);
+  const Surface surface = shape.surface().with_normals(leaning_normals(shape));
+  EXPECT_TRUE(surface.deformed(shape.vertices).has_normals());
+  EXPECT_TRUE(
+      same_bytes(surface.deformed(shape.vertices).corner_normals(), surface.corner_normals()));
+  std::vector<Vec3> moved = shape.vertices;
+  moved.back().y() += 1e-9;
+  EXPECT_FALSE(surface.deformed(moved).has_normals());
+}
+
 TEST(CornerNormals, IsKeptWithAnotherDensity) {
   const Shape shape = box(2);
   const Surface surface = shape.surface().with_normals(leaning_normals(shape));

@@ -18,6 +18,18 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+TEST(Surface, TellsWhetherVerticesAreItsOwn) {
+  const Shape shape = blob(2);
+  const Surface surface = shape.surface();
+  std::vector<Vec3> vertices = shape.vertices;
+  EXPECT_TRUE(surface.ordered().has_vertices(vertices));
+  vertices.push_back(Vec3(1, 2, 3));
+  EXPECT_FALSE(surface.ordered().has_vertices(vertices));
+  vertices.resize(shape.vertices.size());
+  vertices.back().y() += 1e-9;
+  EXPECT_FALSE(surface.ordered().has_vertices(vertices));
+}
+
 class SurfaceOf : public testing::TestWithParam<Shape> {};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, SurfaceOf, testing::ValuesIn(all_shapes()),

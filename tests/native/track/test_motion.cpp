@@ -21,18 +21,6 @@ Motion motion_of(std::span<const Vec3> before, std::span<const Vec3> after) {
   return motion_between(before, after, faces, all);
 }
 
-TEST(Motion, FitsTheVerticesOfASurface) {
-  const Shape shape = blob(2);
-  const Surface surface = shape.surface();
-  std::vector<Vec3> vertices = shape.vertices;
-  EXPECT_TRUE(has_vertices(surface, vertices));
-  vertices.push_back(Vec3(1, 2, 3));
-  EXPECT_FALSE(has_vertices(surface, vertices));
-  vertices.resize(shape.vertices.size());
-  vertices.back().y() += 1e-9;
-  EXPECT_FALSE(has_vertices(surface, vertices));
-}
-
 TEST(Motion, LeavesOutMovingAsAWhole) {
   const Shape shape = blob(3);
   const Motion motion = motion_of(shape.vertices, mapped(shape, turned).vertices);
