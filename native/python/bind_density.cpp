@@ -318,6 +318,49 @@ py::array touching(const py::object& points, const py::object& counts, double ma
   return result;
 }
 
+/// The squares in the order in which numpy adds columns.
+double squared_length(const Vec3& v) { return v.x() * v.x() + v.y() * v.y() + v.z() * v.z(); }
+
+/// A number of each face by its corners.
+template <typename Measure>
+DoubleArray measured_faces(const py::object& vertices, const py::object& faces,
+                           const Measure& measure) {
+  const DoubleArray places = doubles("vertices", vertices, 3);
+  const IntArray corners = integers("faces", faces, 3);
+  const std::span<const Vec3> x = as_points(places);
+  const std::span<const Face> given = as_faces(corners);
+  for (const std::int32_t v : std::span(corners.data(), static_cast<std::size_t>(corners.size())))
+    if (v < 0 || static_cast<std::size_t>(v) >= x.size())
+      throw ArgumentError("faces has the vertex " + std::to_string(v) + " of " +
+                          std::to_string(x.size()));
+  DoubleArray result(static_cast<py::ssize_t>(given.size()));
+  std::transform(given.begin(), given.end(), result.mutable_data(), [&](const Face& face) {
+    const auto corner = [&](std::size_t k) { return x[static_cast<std::size_t>(face[k])]; };
+    return measure(corner(0), corner(1), corner(2));
+  });
+  return result;
+}
+
+DoubleArray longest_edges(const py::object& vertices, const py::object& faces) {
+  return measured_faces(vertices, faces, [](const Vec3& a, const Vec3& b, const Vec3& c) {
+    return std::sqrt(
+        std::max({squared_length(a - b), squared_length(b - c), squared_length(c - a)}));
+  });
+}
+
+DoubleArray face_areas(const py::object& vertices, const py::object& faces) {
+  return measured_faces(vertices, faces, [](const Vec3& a, const Vec3& b, const Vec3& c) {
+    return 0.5 * std::sqrt(squared_length((b - a).cross(c - a)));
+  });
+}
+
+void bind_faces(py::module_& m) {
+  m.def("_longest_edges", &longest_edges, py::arg("vertices"), py::arg("faces"),
+        "Longest edge (m,) of faces (m, 3) of vertices (v, 3).");
+  m.def("_face_areas", &face_areas, py::arg("vertices"), py::arg("faces"),
+        "Area (m,) of faces (m, 3) of vertices (v, 3).");
+}
+
 void bind_solids(py::module_& m) {
   m.def("reached_by_solids", &reached_by, py::arg("vertices"), py::arg("faces"), py::arg("points"),
         py::arg("counts"), py::kw_only(), py::arg("margin") = Solids().margin,
@@ -525,6 +568,7 @@ void bind_density(py::module_& m) {
   bind_exposure(m);
   bind_seen_from(m);
   bind_solids(m);
+  bind_faces(m);
 }
 
 }  // namespace dapple::python

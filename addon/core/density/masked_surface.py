@@ -40,8 +40,7 @@ def masked_surface_of(
     density, merge = density_of(arrays, settings.density, first), settings.merge_doubled
     original = None if like is None else like.original
     if original is not None and original.merge_doubled == merge and _is_alike(like_arrays, arrays):
-        values, at = package().density.placed(density)
-        surface = original.with_density(values, density_at=at)
+        surface = _with_density(original, density)
     else:
         surface = _measured(arrays, density, merge, original)
     count, around = settings.count, arrays.around
@@ -96,16 +95,23 @@ def shares(masked: MaskedSurface, densities: Floats) -> Floats:
 
 def _measured(arrays: SurfaceArrays, density: Floats | None, merge: bool, like: Any) -> Any:
     """A dapple.Surface; one with the same faces, `like`, saves most of the work."""
-    values, at = package().density.placed(density)
     own = shaded(arrays)
     same = like is not None and like.merge_doubled == merge
     same = same and (like.sharp_angle == SMOOTH) == ("normals" not in own)
     if not same or not np.array_equal(like.faces, arrays.faces):
+        values, at = package().density.placed(density)
         own |= {"density_at": at, "merge_doubled": merge}
         return package().Surface(arrays.vertices, arrays.faces, values, **own)
     if "normals" in own or not np.array_equal(like.vertices, arrays.vertices):
         like = like.deformed(arrays.vertices, normals=own.get("normals"))
-    return like.with_density(values, density_at=at)
+    return _with_density(like, density)
+
+
+def _with_density(surface: Any, density: Floats | None) -> Any:
+    if density is None and surface.density is None:
+        return surface
+    values, at = package().density.placed(density)
+    return surface.with_density(values, density_at=at)
 
 
 def _is_alike(before: SurfaceArrays | None, now: SurfaceArrays) -> bool:

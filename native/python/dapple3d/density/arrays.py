@@ -3,12 +3,12 @@
 
 from collections.abc import Sequence
 from functools import reduce
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._native import Surface
+from .._native import Surface, _face_areas, _longest_edges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -98,32 +98,26 @@ def multiplied(surface: Surface, *factors: Floats) -> Surface:
 
 def longest_edges(points: Floats, faces: Ints) -> Floats:
     """Longest edge (m,) of faces (m, 3) of vertices (v, 3)."""
-    a, b, c = _corners(points, faces)
-    squares = [_squared_length(_difference(*ends)) for ends in ((a, b), (b, c), (c, a))]
-    found: Floats = np.sqrt(np.maximum(np.maximum(squares[0], squares[1]), squares[2]))
-    return found
+    return _longest_edges(points, faces)
 
 
 def face_areas(points: Floats, faces: Ints) -> Floats:
     """Area (m,) of faces (m, 3) of vertices (v, 3)."""
-    a, b, c = _corners(points, faces)
-    u, v = _difference(b, a), _difference(c, a)
-    cross = [u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)]
-    found: Floats = 0.5 * np.sqrt(_squared_length(cross))
+    return _face_areas(points, faces)
+
+
+def over_corners(join: np.ufunc, values: NDArray[Any], faces: Ints) -> NDArray[Any]:
+    """Values (v,) at vertices joined over the corners of each face (m, 3).
+
+    Columns are several times faster than a reduction of rows of three.
+    """
+    a, b, c = (values[corner] for corner in np.ascontiguousarray(faces.T))
+    found: NDArray[Any] = join(join(a, b), c)
     return found
 
 
-def _corners(points: Floats, faces: Ints) -> list[list[Floats]]:
-    """By corner and axis (m,): whole columns are several times faster than rows of three."""
-    axes = np.ascontiguousarray(points.T)
-    return [[axis[corner] for axis in axes] for corner in np.ascontiguousarray(faces.T)]
-
-
-def _difference(one: list[Floats], other: list[Floats]) -> list[Floats]:
-    return [x - y for x, y in zip(one, other, strict=True)]
-
-
-def _squared_length(axes: list[Floats]) -> Floats:
-    x, y, z = axes
-    found: Floats = x * x + y * y + z * z
-    return found
+def vertices_of(faces: Ints, count: int) -> Indices:
+    """The vertices of faces (m, 3), of so many, ascending."""
+    used = np.zeros(count, dtype=bool)
+    used[faces] = True
+    return np.flatnonzero(used)

@@ -246,13 +246,18 @@ class Camera(Field):
         self._planes = np.array([w - x, w + x, w - y, w + y, clip[3]])
         self._bodies = [Surface(*mesh) for mesh in meshes]
         self._eye, self._longest = _eye_of(clip), longest
+        self._known = np.empty((0, 3)), np.empty(0, dtype=np.uint8)
 
     def _beyond(self, points: Floats) -> NDArray[np.uint8]:
         """Of each point (n,), the planes that it is beyond, as bits."""
+        places, found = self._known
+        if np.array_equal(points, places):
+            return found
         signed: Floats = points @ self._planes[:, :3].T + self._planes[:, 3]
         found = np.zeros(len(points), dtype=np.uint8)
         for k in range(len(self._planes)):
             found[~(signed[:, k] >= 0.0)] |= np.uint8(1 << k)
+        self._known = points.copy(), found
         return found
 
     def _seen(self, points: Floats) -> Flags:
@@ -280,8 +285,8 @@ class Camera(Field):
 
     def at_corners(self, points: Floats, faces: Ints) -> Floats:
         inside: Flags = (self._beyond(points) == 0)[faces]
-        rows = np.flatnonzero(inside.any(axis=1))
         if self._bodies:
+            rows = np.flatnonzero(inside.any(axis=1))
             seen: Flags = np.all(self._seen_of_faces(points, faces[rows]), axis=1)
             inside[rows[~seen]] = False
         return inside.astype(np.float64)

@@ -8,6 +8,7 @@ follow the original ones.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -77,6 +78,33 @@ class _Skin:
             and np.array_equal(self.surface.faces, surface.faces)
             and all(map(np.array_equal, self.poses, poses))
         )
+
+
+class _Mesh:
+    """The arrays of a surface, each made once.
+
+    product: its density with all fields, (m, 3); None: not asked for yet.
+    """
+
+    def __init__(self, surface: Surface) -> None:
+        self.surface = surface
+        self.product: Floats | None = None
+
+    @cached_property
+    def vertices(self) -> Floats:
+        return self.surface.vertices
+
+    @cached_property
+    def faces(self) -> Ints:
+        return self.surface.faces
+
+    @cached_property
+    def areas(self) -> Floats:
+        return face_areas(self.vertices, self.faces)
+
+    @cached_property
+    def longest(self) -> Floats:
+        return longest_edges(self.vertices, self.faces)
 
 
 @dataclass(frozen=True)
@@ -150,19 +178,21 @@ class MaskedSurface:
         self.surface, self._original, self._context = surface, surface, context
         self._values, self._rest = values or {}, rest
         self._refined: Refined | None = None
-        self._known_faces: tuple[Surface | None, Ints] = None, np.empty((0, 3), dtype=np.int32)
+        self._mesh = _Mesh(surface)
         self._skin: _Skin | None = None
         self._cleared: dict[str, _Cleared] = {}
+        self._fields = fields
         self._boundless = [field for field in fields if not field.bounds]
         self._count = count = min(max(count, _COUNTS[0]), _COUNTS[1])
         if outside is not None:
             self._leave_out_hidden(outside, poses, None if like is None else like._skin)
         if fields or balls is not None:
-            self._cut_for(fields, balls, count)
+            self._cut_for_fields(balls)
         if image is not None and uv is not None:
             self._lay_image(image, uv, count)
         if tiles and uv is not None:
             self._lay_tiles(tiles, uv, count)
+        self._mesh = _Mesh(self.surface)  # without what only cutting needs
 
     @property
     def original(self) -> Surface:
@@ -304,11 +334,15 @@ class MaskedSurface:
         return found
 
     @property
+    def _known(self) -> "_Mesh":
+        """What `surface` makes anew whenever it is asked."""
+        if self._mesh.surface is not self.surface:
+            self._mesh = _Mesh(self.surface)
+        return self._mesh
+
+    @property
     def _faces(self) -> Ints:
-        """Faces (m, 3) of `surface`, which makes them anew whenever it is asked."""
-        if self._known_faces[0] is not self.surface:
-            self._known_faces = self.surface, self.surface.faces
-        return self._known_faces[1]
+        return self._known.faces
 
     def _values_of(self, name: str) -> list[Floats]:
         """The factors of the density that a name stands for; none for ''."""
@@ -342,7 +376,7 @@ class MaskedSurface:
 
     def _cut_at(self, clearance: Clearance) -> None:
         """Halve the edges of the faces on which a clearance ends, until they are short."""
-        target = _FINE * _spacing(self.surface, self.corner_density(), self._count)
+        target = _FINE * self._spacing(self.corner_density(), self._count)
 
         def long(lengths: Floats) -> Flags:
             places = self._places([clearance])
@@ -366,7 +400,7 @@ class MaskedSurface:
 
     def _leave_out_hidden(self, openness: float, poses: Poses, known: _Skin | None) -> None:
         """Remove the density of places that are hidden in the poses, or at rest."""
-        edge = _AT_HIDDEN * _spacing(self.surface, self.corner_density(), self._count)
+        edge = _AT_HIDDEN * self._spacing(self.corner_density(), self._count)
         first = poses[0] if poses else self._rest
         if poses and np.array_equal(poses[0], self.surface.vertices):
             first = None
@@ -394,23 +428,21 @@ class MaskedSurface:
         )
         return _Skin(surface, openness, edge, tuple(poses), refined)
 
-    def _cut_for(
-        self, fields: Sequence[Field], balls: tuple[Floats, Floats] | None, count: int
-    ) -> None:
+    def _cut_for_fields(self, balls: tuple[Floats, Floats] | None) -> None:
         """Halve the edges of the faces on which fields change, until they are short."""
 
         def long(lengths: Floats) -> Flags:
-            target = _FINE * _spacing(self.surface, self._product(fields), count)
-            places = self._places(fields)
-            return needs_cut(fields, places, self._faces, lengths, target)
+            target = _FINE * self._spacing(self._product(), self._count)
+            places = self._places(self._fields)
+            return needs_cut(self._fields, places, self._faces, lengths, target)
 
         self._halve(long)
-        self._take_away(fields, balls or (np.empty((0, 3)), np.empty(0)))
+        self._take_away(balls or (np.empty((0, 3)), np.empty(0)))
 
     def _halve(self, long: Callable[[Floats], Flags]) -> None:
         """Halve the edges of faces, until by their longest edges (m,) none is too long."""
         for _ in range(_ROUNDS):
-            lengths = longest_edges(self.surface.vertices, self._faces)
+            lengths = self._known.longest
             chosen = long(lengths)
             if not chosen.any():
                 break
@@ -420,29 +452,46 @@ class MaskedSurface:
             if not cut.resolved:
                 break
 
-    def _take_away(self, fields: Sequence[Field], balls: tuple[Floats, Floats]) -> None:
-        surface = self.surface.with_density(self._product(fields), density_at="corners")
+    def _take_away(self, balls: tuple[Floats, Floats]) -> None:
+        areas = self._blocked()
+        surface = self.surface.with_density(self._product(), density_at="corners")
         self._extend(
             refine_obstacles(
                 surface,
                 *balls,
-                areas=_blocked(fields, surface),
+                areas=areas,
                 max_faces=4 * _MOST_FACES,
                 context=self._context,
             )
         )
 
-    def _product(self, fields: Sequence[Field]) -> Floats:
-        """The density (m, 3) at the corners of the faces as they are cut so far."""
-        faces = self._faces
-        factors = np.ones((len(faces), 3))
-        for field, points in zip(fields, self._places(fields), strict=True):
-            factors = factors * field.at_corners(points, faces)
-        return factors * self.corner_density()
+    def _blocked(self) -> Flags:
+        """Faces (m,) that reach where fields are 0 that block."""
+        found = np.zeros(len(self._faces), dtype=bool)
+        for field in self._fields:
+            if field.blocks:
+                found |= field.reach(self._known.vertices, self._faces)
+        return found
+
+    def _product(self) -> Floats:
+        """The density (m, 3) at the corners of the faces as they are cut so far, with fields."""
+        known = self._known
+        if known.product is None:
+            factors = np.ones((len(known.faces), 3))
+            for field, points in zip(self._fields, self._places(self._fields), strict=True):
+                factors = factors * field.at_corners(points, known.faces)
+            known.product = factors * self.corner_density()
+        return known.product
+
+    def _spacing(self, density: Floats, count: int) -> float:
+        """Of so many points, packed as well as can be on what a density (m, 3) leaves."""
+        has_some = density[:, 0] + density[:, 1] + density[:, 2] > 0.0
+        left = float((self._known.areas * has_some).sum())
+        return float(np.sqrt(2.0 * left / (np.sqrt(3.0) * count)))
 
     def _places(self, fields: Sequence[Field]) -> list[Floats]:
         """Vertices (v, 3) as they are cut so far, where each of the fields is looked up."""
-        now = self.surface.vertices
+        now = self._known.vertices
         if self._rest is None or not any(field.rides for field in fields):
             return [now] * len(fields)
         rest = self.vertices(self._rest)
@@ -467,7 +516,7 @@ class MaskedSurface:
 
     def _cut_at_borders(self, tiles: Sequence[Tile], uv: Floats, count: int) -> None:
         """Halve the edges of the faces that reach over a tile's border, until they are short."""
-        target = _AT_BORDER * _spacing(self.surface, self.corner_density(), count)
+        target = _AT_BORDER * self._spacing(self.corner_density(), count)
         self._halve(lambda lengths: crossing(self._cut_uv(uv), tiles) & (lengths > target))
 
     def _lay_image(self, image: Floats, uv: Floats, count: int) -> None:
@@ -481,7 +530,7 @@ class MaskedSurface:
         self, uv: Floats, picture: Floats, count: int, share: float, *, repeat: bool = False
     ) -> None:
         """Multiply by a picture; edges shorter than its details' share of a spacing stay whole."""
-        spacing = _spacing(self.surface, self.corner_density(), count)
+        spacing = self._spacing(self.corner_density(), count)
         self._extend(
             refine_image(
                 self.surface,
@@ -493,20 +542,3 @@ class MaskedSurface:
                 context=self._context,
             )
         )
-
-
-def _blocked(fields: Sequence[Field], surface: Surface) -> Flags:
-    """Faces (m,) that reach where fields are 0 that block."""
-    found = np.zeros(len(surface.faces), dtype=bool)
-    for field in fields:
-        if field.blocks:
-            found |= field.reach(surface.vertices, surface.faces)
-    return found
-
-
-def _spacing(surface: Surface, density: Floats, count: int) -> float:
-    """Of so many points, packed as well as can be on what the density leaves of a surface."""
-    areas = face_areas(surface.vertices, surface.faces)
-    has_some = density[:, 0] + density[:, 1] + density[:, 2] > 0.0
-    left = float((areas * has_some).sum())
-    return float(np.sqrt(2.0 * left / (np.sqrt(3.0) * count)))
