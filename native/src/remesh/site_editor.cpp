@@ -53,6 +53,13 @@ Sites mirrored(const Surface& surface, const FeatureLines& lines, std::int32_t o
   return found;
 }
 
+/// Whether a site is at a place already.
+bool is_taken(const RemeshSites& sites, const Sites& place, double tolerance) {
+  return std::ranges::any_of(sites.sites.positions, [&](const Vec3& position) {
+    return (position - place.positions[0]).norm() <= tolerance;
+  });
+}
+
 /// One violation of each site: lines first.
 std::vector<Violation> first_of_each(std::span<const Violation> violations) {
   std::vector<Violation> sorted(violations.begin(), violations.end());
@@ -122,7 +129,8 @@ std::size_t mend(const Surface& surface, const FeatureLines& lines,
     if (violation.flaw == Flaw::kForeignLine)
       made = mirrored(surface, lines, sites.chains[site], chain, sites.sites.positions[site],
                       place.position);
-    if (made.size() == 0) made = site_at(surface, place);
+    // A second site at a place mends nothing.
+    if (made.size() == 0 || is_taken(sites, made, least)) made = site_at(surface, place);
     sites.add(made, kind, chain, true);
   }
   return edits.size();

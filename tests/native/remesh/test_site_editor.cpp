@@ -38,5 +38,31 @@ TEST(SiteEditor, APlaceOnAnEdgeWithoutLengthIsAtItsEnds) {
   EXPECT_TRUE(sites.sites.barycentric[1].allFinite());
 }
 
+TEST(SiteEditor, NoSecondSiteIsAddedAtAPlaceThatMirrorsAnother) {
+  const std::vector<Vec3> vertices = {{0, 0, 0}, {4, 0, 0}, {4, 1, 0}};
+  const std::vector<Face> faces = {{0, 1, 2}};
+  const Surface surface(vertices, faces);
+  const FeatureLines lines(surface, {});
+  const OrderedSurface& mesh = surface.ordered();
+  const auto edge_to = [&](const Vec3& end) {  // from the first vertex
+    for (std::int32_t h = 0; h < 3; ++h) {
+      const Vec3 &a = mesh.vertex(start_of(mesh, h)), &b = mesh.vertex(end_of(mesh, h));
+      if ((a == vertices[0] && b == end) || (a == end && b == vertices[0])) return h;
+    }
+    return -1;
+  };
+  const std::int32_t low = edge_to(vertices[1]), slanted = edge_to(vertices[2]);
+  RemeshSites sites;
+  const Vec3 here(2, 0, 0), mirrored = 2.0 * Vec3(4, 1, 0).normalized();
+  sites.add({{here}, {0}, {{0.5, 0.5, 0.0}}}, SiteKind::kLine, lines.chain_of(low), false);
+  sites.add({{mirrored}, {0}, {{1.0 - mirrored[1], 0.0, mirrored[1]}}}, SiteKind::kLine,
+            lines.chain_of(slanted), false);
+  const Place place = {{2.8, 0.7, 0.0}, 0, slanted};
+  const Violation violation = {0, Flaw::kForeignLine, place, place};
+  ASSERT_EQ(mend(surface, lines, {&violation, 1}, sites), 1u);
+  ASSERT_EQ(sites.size(), 3u);
+  EXPECT_LT((sites.sites.positions[2] - place.position).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace dapple::test
