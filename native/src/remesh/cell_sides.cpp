@@ -11,8 +11,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kNothing = 1e-8;  // of a border: shorter edges are rounding
-constexpr double kOnSite = 1e-6;   // of a line's distance from a site: the site is on it
+constexpr double kNothing = 1e-8;         // of a border: shorter edges are rounding
+constexpr double kUnknownNothing = 1e-6;  // the same where no neighbor is known
+constexpr double kOnSite = 1e-6;          // of a line's distance from a site: the site is on it
 
 }  // namespace
 
@@ -128,7 +129,8 @@ void CellWalk::add_sides(std::span<const std::int32_t> loop, CellSides& result) 
   for (const std::int32_t e : loop) total += pieces_.length(e);
   for (const std::int32_t e : loop) {
     const std::int32_t label = beyond(e);
-    if (label != Side::kLine && pieces_.length(e) <= kNothing * total) continue;
+    const double least = label == Side::kUnknown ? kUnknownNothing : kNothing;
+    if (label != Side::kLine && pieces_.length(e) <= least * total) continue;
     labels.push_back(label);
     edges.push_back(e);
   }
@@ -139,12 +141,13 @@ void CellWalk::add_sides(std::span<const std::int32_t> loop, CellSides& result) 
     ++begin;
   if (begin == labels.size()) begin = 0;
   const auto first = static_cast<std::int32_t>(result.sides.size());
-  double longest = -1.0;
+  double longest = -1.0, nearest = 0.0;
   for (std::size_t k = 0; k < labels.size(); ++k) {
     const std::size_t at = (begin + k) % labels.size();
     if (k == 0 || labels[at] != result.sides.back().neighbor) {
       result.sides.push_back({.site = site_, .neighbor = labels[at], .first = edges[at]});
       longest = -1.0;
+      nearest = std::numeric_limits<double>::infinity();
     }
     Side& side = result.sides.back();
     const double length = pieces_.length(edges[at]);
@@ -152,6 +155,10 @@ void CellWalk::add_sides(std::span<const std::int32_t> loop, CellSides& result) 
     side.last = edges[at];
     if (length > longest) side.longest = edges[at];
     longest = std::max(longest, length);
+    const Vec3 middle = 0.5 * (pieces_.from(edges[at]) + pieces_.to(edges[at]));
+    const double distance = (middle - sites_.positions[as_index(site_)]).squaredNorm();
+    if (distance < nearest) side.nearest = edges[at];
+    nearest = std::min(nearest, distance);
   }
   const auto last = static_cast<std::int32_t>(result.sides.size()) - 1;
   Sheet& sheet = sheet_of(loop.front());

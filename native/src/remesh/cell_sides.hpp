@@ -18,6 +18,7 @@ struct Side {
   std::int32_t neighbor;  ///< or kLine, kUnknown
   double length = 0.0;
   std::int32_t longest = -1;             ///< its longest edge, of CellPieces
+  std::int32_t nearest = -1;             ///< the one whose middle is nearest to the site
   std::int32_t first = -1, last = -1;    ///< its edges at both ends
   std::int32_t before = -1, after = -1;  ///< sides around the border
   std::int32_t twin = -1;                ///< the neighbor's side at the same place

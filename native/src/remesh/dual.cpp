@@ -6,6 +6,7 @@
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
+#include "base/segment.hpp"
 #include "base/sort_unique.hpp"
 #include "remesh/cell_sides.hpp"
 #include "surface/ordered_surface.hpp"
@@ -23,8 +24,11 @@ constexpr double kCellsPart = 0.7;  // of the progress
 /// The sides of all cells, and the mesh of their neighbors.
 class SideGraph {
  public:
-  SideGraph(const CellPieces& pieces, const Sites& sites, std::span<const CellSides> cells)
-      : pieces_(pieces), sites_(sites) {
+  /// \param near where two sites on lines meet twice, another is wanted as near as can be: farther
+  ///             away its cell would reach the lines
+  SideGraph(const CellPieces& pieces, const Sites& sites, std::span<const SiteKind> kinds,
+            std::span<const CellSides> cells, bool near)
+      : pieces_(pieces), sites_(sites), kinds_(kinds), near_(near) {
     rows_.reserve(cells.size() + 1);
     for (const CellSides& cell : cells) add(cell);
     rows_.push_back(static_cast<std::int32_t>(sides_.size()));
@@ -221,14 +225,28 @@ class SideGraph {
             .face = pieces_.face_of_piece(pieces_.piece_of(e)),
             .half_edge = pieces_.half_edge(e)};
   }
+  /// The place of a side that is nearest to its site.
+  [[nodiscard]] Place nearest_of(std::int32_t s) const {
+    const std::int32_t e = at(s).nearest;
+    const Vec3 &from = pieces_.from(e), &to = pieces_.to(e);
+    return {.position = from + nearest_share(position(at(s).site), from, to) * (to - from),
+            .face = pieces_.face_of_piece(pieces_.piece_of(e))};
+  }
+  [[nodiscard]] bool is_on_line(std::int32_t site) const {
+    return kinds_[as_index(site)] != SiteKind::kFree;
+  }
   [[nodiscard]] Place farther_end(std::int32_t s, std::int32_t t) const {
-    const Place a = end_on_line(s), b = end_on_line(t);
+    const bool near = near_ && is_on_line(at(s).site) && is_on_line(at(s).neighbor);
+    const Place a = near ? nearest_of(s) : end_on_line(s),
+                b = near ? nearest_of(t) : end_on_line(t);
     const Vec3& site = position(at(s).site);
     return (a.position - site).squaredNorm() >= (b.position - site).squaredNorm() ? a : b;
   }
 
   const CellPieces& pieces_;
   const Sites& sites_;
+  std::span<const SiteKind> kinds_;
+  bool near_;
   std::vector<Side> sides_;
   std::vector<std::int32_t> rows_;  // per site, one more
 };
@@ -322,10 +340,11 @@ void add_triangles(std::span<const std::int32_t> polygon, std::span<const Vec3> 
   }
 }
 
+namespace {
+
 Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sites,
-             std::span<const SiteKind> kinds, Cells cells, Context* context) {
-  Stretch cutting(context, 0.0, kCellsPart);
-  const std::vector<CellPolygon> polygons = polygons_of(surface, sites, cells, cutting.context());
+             std::span<const SiteKind> kinds, std::span<const CellPolygon> polygons, bool near,
+             Context* context) {
   const CellPieces pieces(surface, lines, polygons, sites.size());
   std::vector<CellSides> of_cells(sites.size());
   parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -337,7 +356,7 @@ Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sit
   for (const CellSides& cell : of_cells)
     result.violations.insert(result.violations.end(), cell.violations.begin(),
                              cell.violations.end());
-  SideGraph graph(pieces, sites, of_cells);
+  SideGraph graph(pieces, sites, kinds, of_cells, near);
   graph.match();
   graph.drop_short(result.violations);
   graph.find_repeated(result.violations);
@@ -352,6 +371,22 @@ Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sit
     find_repeated_edges(result.triangles, kinds, sites, result.violations);
   if (context) context->advance(1.0);
   return result;
+}
+
+}  // namespace
+
+Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sites,
+             std::span<const SiteKind> kinds, Cells cells, Context* context) {
+  Stretch cutting(context, 0.0, kCellsPart);
+  return dual_of(surface, lines, sites, kinds,
+                 polygons_of(surface, sites, cells, cutting.context()), false, context);
+}
+
+Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sites,
+             std::span<const SiteKind> kinds, const CellsAlong& cells, Context* context) {
+  Stretch cutting(context, 0.0, kCellsPart);
+  return dual_of(surface, lines, sites, kinds, cells.polygons(sites, cutting.context()), true,
+                 context);
 }
 
 }  // namespace dapple

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lines/feature_lines.hpp"
+#include "remesh/cells_along.hpp"
 #include "remesh/violations.hpp"
 
 namespace dapple {
@@ -24,6 +25,11 @@ struct Dual {
 /// line. \param kinds per site \throw Cancelled
 [[nodiscard]] Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sites,
                            std::span<const SiteKind> kinds, Cells cells,
+                           Context* context = nullptr);
+
+/// The same, of cells by distances along the surface.
+[[nodiscard]] Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sites,
+                           std::span<const SiteKind> kinds, const CellsAlong& cells,
                            Context* context = nullptr);
 
 /// Triangles of a polygon of sites, counter-clockwise, with the largest smallest angle.

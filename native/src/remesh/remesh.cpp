@@ -7,6 +7,7 @@
 #include <dapple/remesh.hpp>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -43,11 +44,12 @@ constexpr int kApproaches = 60;      // rounds of adding sites at far places
 constexpr int kSettlings = 4;        // of them, after which others move
 constexpr double kRough = 10.0;      // times the tolerance, beside lines that changed
 constexpr int kFewEvaluations = 12;  // after local changes
-constexpr double kFirst = 0.6, kSecond = 0.9,
-                 kThird = 0.95;  // of the progress, if it is done again
-constexpr double kFiner = 0.5;   // spacings: their edges
+constexpr double kFirst = 0.6, kSecond = 0.8;  // of the progress, if it is done again
+constexpr double kFiner = 0.5;                 // spacings: their edges
 constexpr std::size_t kFinerFaces = 40;
-constexpr double kSolved = 0.8;  // of the progress
+constexpr std::size_t kRefinings = 1;  // times that faces are made finer still
+constexpr double kFinest = 1.0 / 64;   // of the same: the shortest
+constexpr double kSolved = 0.8;        // of the progress
 constexpr double kMended = 0.95;
 constexpr double kThinned = 0.8;  // if there is a limit of the distance
 constexpr double kHalfWay = 8.0;  // rounds after which half of the rest is done
@@ -87,6 +89,9 @@ class Remesher {
         lines_(std::move(lines)),
         solution_(std::move(start)) {}
 
+  /// Take cells by distances along the surface, whose faces are to be smaller than the cells.
+  void follow_surface() { along_ = std::make_shared<const CellsAlong>(surface_); }
+
   void run(Context* context) {
     const double end = options_.max_distance > 0.0 ? kThinned : 1.0;
     Stretch solving(context, 0.0, end * kSolved), mending(context, end * kSolved, end * kMended),
@@ -103,10 +108,14 @@ class Remesher {
   void give_up(Context* context) {
     best_sites_ = {};  // it holds a mesh that keeps all lines
     distance_ = 0.0;
+    dense_ = false;
     Stretch mending(context, 0.0, kMended), thinning(context, kMended, 1.0);
+    std::size_t least = std::numeric_limits<std::size_t>::max();
     for (int k = 0; k < kDroppings && !dual_.violations.empty() && drop_hopeless(); ++k) {
       solve(mending.context());
       mend_all(mending.context());
+      if (dual_.violations.size() >= least) break;
+      least = dual_.violations.size();
     }
     keep_best();
     thin_all(thinning.context());
@@ -129,7 +138,10 @@ class Remesher {
 
   /// The best mesh, with its thin triangles made wider.
   [[nodiscard]] RemeshResult result(Context* context) const;
-  [[nodiscard]] bool has_flaws() const { return !best_.violations.empty(); }
+  [[nodiscard]] std::size_t flaws() const { return best_.violations.size(); }
+
+  /// Per face the longest edge with which cells that are flawed have faces smaller than themselves.
+  [[nodiscard]] std::vector<double> finer_edges() const;
 
   /// The sites of the last solution that are on no line.
   [[nodiscard]] Sites free_sites() const {
@@ -255,7 +267,8 @@ class Remesher {
 
   void look(Context* context) {
     const StageSpan looking(context, Stage::kCells);
-    dual_ = dual_of(surface_, lines_, sites_.sites, sites_.kinds, options_.cells, context);
+    dual_ = along_ ? dual_of(surface_, lines_, sites_.sites, sites_.kinds, *along_, context)
+                   : dual_of(surface_, lines_, sites_.sites, sites_.kinds, options_.cells, context);
   }
 
   /// Add sites until the dual has the topology of the surface.
@@ -461,8 +474,9 @@ class Remesher {
   std::size_t count_;
   const RemeshOptions& options_;
   FeatureLines lines_;
-  Sites solution_;                // of the last solve(), those on lines first
-  std::size_t solved_lines_ = 0;  // of them
+  std::shared_ptr<const CellsAlong> along_;  // null: cells in space
+  Sites solution_;                           // of the last solve(), those on lines first
+  std::size_t solved_lines_ = 0;             // of them
   RemeshSites sites_, best_sites_;
   Dual dual_, best_;
   std::size_t dropped_lines_ = 0;
@@ -575,6 +589,24 @@ RemeshResult Remesher::result(Context* context) const {
   return mesh;
 }
 
+std::vector<double> Remesher::finer_edges() const {
+  std::vector<double> longest(surface_.face_count(), std::numeric_limits<double>::infinity());
+  if (best_sites_.size() < 2) return longest;
+  std::vector<bool> flawed(best_sites_.size(), false);
+  for (const Violation& violation : best_.violations) flawed[as_index(violation.site)] = true;
+  const double least = kFinest * surface_.spacing(count_);
+  const Neighbors tree(best_sites_.sites.positions);
+  std::vector<Neighbor> nearest;
+  for (const CellPolygon& piece : along_->polygons(best_sites_.sites)) {
+    const auto site = as_index(piece.site);
+    if (!flawed[site]) continue;
+    tree.nearest(best_sites_.sites.positions[site], 2, nearest);
+    double& edge = longest[as_index(piece.face)];
+    edge = std::min(edge, kFiner * std::max(std::sqrt(nearest[1].squared_distance), least));
+  }
+  return longest;
+}
+
 void check(std::size_t count, const RemeshOptions& options) {
   check_options(options);
   if (count == 0) throw ArgumentError("count is 0: it must be >= 1");
@@ -612,52 +644,55 @@ Sites on_pieces(const Refined& fine, const Sites& sites) {
   return result;
 }
 
-/// Cells are divided face by face where straight lines go through walls: on large faces some reach
-/// the other side of a wall that they are not connected to. On finer ones they do not.
+/// Cells in space reach through walls thinner than themselves; those along the surface do not, but
+/// need faces that are smaller than they are. Where flaws remain, sites are closer to each other
+/// than elsewhere, and faces are made smaller again.
 /// \param start free sites of a solution on the surface
-RemeshResult remesh_on_finer_faces(const Surface& surface, std::size_t count,
-                                   const RemeshOptions& options, const FeatureLines& lines,
-                                   const Sites& start, Context* context) {
+RemeshResult remesh_along(const Surface& surface, std::size_t count, const RemeshOptions& options,
+                          const FeatureLines& lines, const Sites& start, Context* context) {
+  const std::size_t most =
+      std::min(kMostRefinedFaces, kFinerFaces * (count + surface.face_count()));
   const double longest = kFiner * surface.spacing(count);
-  const Refined fine = refine_edges(
-      surface, {&longest, 1},
-      std::min(kMostRefinedFaces, kFinerFaces * (count + surface.face_count())), nullptr);
-  Remesher remesher(fine.surface, count, options,
-                    FeatureLines(fine, lines, rules_of(surface, count, options)),
-                    on_pieces(fine, start));
-  Stretch first(context, 0.0, kFirst), second(context, kFirst, 1.0);
-  remesher.run(first.context());
-  if (remesher.has_flaws()) remesher.give_up(second.context());
-  RemeshResult made = remesher.result(context);
-  name_parents(fine, made);
-  return made;
+  Refined fine = refine_edges(surface, {&longest, 1}, most, nullptr);
+  for (std::size_t k = 0;; ++k) {
+    Stretch trying(context, k, kRefinings + 2);
+    Stretch first(trying.context(), 0.0, kFirst), second(trying.context(), kFirst, kSecond),
+        third(trying.context(), kSecond, 1.0);
+    Remesher remesher(fine.surface, count, options,
+                      FeatureLines(fine, lines, rules_of(surface, count, options)),
+                      on_pieces(fine, start));
+    if (k > 0) remesher.follow_surface();  // finer faces alone may help
+    remesher.run(first.context());
+    if (remesher.flaws() > 0 && k == 0) continue;
+    if (remesher.flaws() > 0 && k <= kRefinings) {
+      fine = fine.then(refine_edges(fine.surface, remesher.finer_edges(), most, nullptr));
+      continue;
+    }
+    if (remesher.flaws() > 0) remesher.insist(second.context());
+    RemeshResult made;
+    if (const std::size_t flaws = remesher.flaws(); flaws > 0) {
+      const Remesher whole = remesher;  // with all lines
+      remesher.give_up(third.context());
+      made = (remesher.flaws() < flaws ? remesher : whole).result(context);
+    } else {
+      made = remesher.result(context);
+    }
+    name_parents(fine, made);
+    return made;
+  }
 }
 
 RemeshResult best_remesh(const Surface& surface, std::size_t count, const RemeshOptions& options,
                          Context* context) {
-  Stretch first(context, 0.0, kFirst), second(context, kFirst, kSecond),
-      third(context, kSecond, kThird), fourth(context, kThird, 1.0);
+  Stretch first(context, 0.0, kFirst), second(context, kFirst, 1.0);
   const FeatureLines lines(surface, rules_of(surface, count, options), context);
   Remesher remesher(surface, count, options, lines);
   remesher.run(first.context());
-  RemeshResult made = remesher.result(context);
-  const auto take_better = [&](RemeshResult other) {
-    const auto worth = [](const RemeshResult& mesh) {
-      return std::tuple(mesh.report.flaws, mesh.report.dropped_lines, mesh.vertices.size());
-    };
-    if (worth(other) < worth(made)) made = std::move(other);
-  };
-  if (made.report.flaws > 0)
-    take_better(remesh_on_finer_faces(surface, count, options, lines, remesher.free_sites(),
-                                      second.context()));
-  if (made.report.flaws > 0) {
-    remesher.give_up(third.context());
-    take_better(remesher.result(context));
-  }
-  if (made.report.flaws > 0) {
-    remesher.insist(fourth.context());
-    take_better(remesher.result(context));
-  }
+  const std::size_t flaws = remesher.flaws();
+  RemeshResult made;
+  if (flaws > 0)
+    made = remesh_along(surface, count, options, lines, remesher.free_sites(), second.context());
+  if (flaws == 0 || flaws < made.report.flaws) made = remesher.result(context);
   const StageSpan reporting(context, Stage::kReporting);
   measure_mesh(surface, lines, made);
   return made;

@@ -340,6 +340,40 @@ TEST(Remesh, WallsThinnerThanCellsKeepTheirTopology) {
   EXPECT_EQ(mesh.report.euler, -22);
 }
 
+/// A pillow in the shape of a star, so flat that its walls meet at its creases at a few degrees.
+Surface flat_star(int points, double inner, double thick) {
+  std::vector<Vec3> vertices = {Vec3(0, 0, -thick), Vec3(0, 0, thick)};
+  std::vector<Face> faces;
+  const std::int32_t count = 2 * points;
+  for (std::int32_t k = 0; k < count; ++k) {
+    const double angle = std::numbers::pi * k / points, radius = k % 2 == 0 ? 1.0 : inner;
+    vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), 0.0});
+    const std::int32_t a = 2 + k, b = 2 + (k + 1) % count;
+    faces.push_back({0, b, a});
+    faces.push_back({1, a, b});
+  }
+  return Surface(vertices, faces);
+}
+
+TEST(Remesh, KeepsTheCreasesOfWallsThinnerThanCells) {
+  const Surface surface = flat_star(12, 0.5, 0.1);
+  const RemeshResult mesh = remesh(surface, 300);
+  EXPECT_EQ(mesh.report.flaws, 0u);
+  EXPECT_EQ(mesh.report.dropped_lines, 0u);
+  EXPECT_EQ(mesh.report.euler, 2);
+  EXPECT_NEAR(area_of(mesh.vertices, mesh.faces), surface.area(), 1e-9);
+  expect_consistent(surface, mesh);
+}
+
+TEST(Remesh, FlatPointsHaveTheirTopologyIfTheirCreasesAreGivenUp) {
+  for (const auto& [points, thick] : {std::pair(5, 0.05), std::pair(8, 0.02)}) {
+    const RemeshResult mesh = remesh(flat_star(points, 0.3, thick), 100);
+    EXPECT_EQ(mesh.report.flaws, 0u) << points;
+    EXPECT_EQ(mesh.report.nonmanifold_edges, 0u);
+    EXPECT_EQ(mesh.report.euler, 2);
+  }
+}
+
 /// A flat body with eight fingers.
 Shape hand(double thick) {
   return mapped(icosphere(5), [=](const Vec3& p) {
