@@ -12,6 +12,8 @@ from .base.native import named, package
 from .surface.arrays import Floats, Ints
 
 _INWARD = 1e-3  # of the way from a corner on a line to the middle of its triangle
+_ALIKE = 0.05  # difference of the cosines of two faces that are turned alike
+_BESIDE = 0.5  # of that way: how far above or below its triangle a place is asked for, too
 _OUTSIDE = 0.05  # of a triangle, that a corner may lie outside
 
 Options = dict[str, float]  # of the package's remesh(), by name
@@ -84,9 +86,11 @@ def _with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) ->
     source, weights = np.array(made.source_faces), np.array(made.barycentric)
     corner_source, corner_weights = source[faces], weights[faces]
     on_line = np.array(made.features)[faces] > 0
-    places = vertices[faces[on_line]]
-    inward = places + _INWARD * (np.repeat(middles[:, None], 3, axis=1)[on_line] - places)
-    beside = package().project(surface, inward).faces
+    places, triangles = vertices[faces[on_line]], np.nonzero(on_line)[0]
+    inward = _INWARD * (middles[triangles] - places)
+    beside = _faces_along(
+        surface, old, places + inward, inward, _normals(vertices[faces])[triangles]
+    )
     corner_source[on_line] = beside
     corner_weights[on_line] = _weights_at(places, old.vertices[old.faces[beside]])
     lines = np.array(made.lines)
@@ -103,6 +107,29 @@ def _with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) ->
         made=made,
         max_distance=max_distance,
     )
+
+
+def _normals(triangles: Floats) -> Floats:
+    """Unit normals (n, 3) of triangles (n, 3, 3); 0 of those without area."""
+    a, b, c = (triangles[:, k] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    found: Floats = normals / np.where(lengths > 0, lengths, 1.0)
+    return found
+
+
+def _faces_along(surface: Any, old: OldMesh, points: Floats, ways: Floats, normals: Floats) -> Ints:
+    """The old face (n,) nearest to each point of a triangle. The triangles of curved sides cut below
+    them, where the face beyond a crease may be nearer: of the faces nearest to the point and to
+    others above and below it, the one that is turned most like the triangle."""
+    aside = _BESIDE * np.linalg.norm(ways, axis=1, keepdims=True) * normals
+    found = np.array([package().project(surface, points + k * aside).faces for k in (0, 1, -1)])
+    turns = [
+        np.abs((_normals(old.vertices[old.faces[one]]) * normals).sum(axis=1)) for one in found
+    ]
+    gains = np.array(turns) - [[0.0], [_ALIKE], [_ALIKE]]
+    best: Ints = found[gains.argmax(axis=0), np.arange(len(points))]
+    return best
 
 
 def _weights_at(points: Floats, corners: Floats) -> Floats:
