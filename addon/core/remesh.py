@@ -119,9 +119,11 @@ def _normals(triangles: Floats) -> Floats:
 
 
 def _faces_along(surface: Any, old: OldMesh, points: Floats, ways: Floats, normals: Floats) -> Ints:
-    """The old face (n,) nearest to each point of a triangle. The triangles of curved sides cut below
-    them, where the face beyond a crease may be nearer: of the faces nearest to the point and to
-    others above and below it, the one that is turned most like the triangle."""
+    """The old face (n,) at each point of a triangle.
+
+    Triangles of curved sides cut below them, where the face beyond a crease may be nearer. Of the
+    faces nearest to the point and to others above and below it, the one turned most alike counts.
+    """
     aside = _BESIDE * np.linalg.norm(ways, axis=1, keepdims=True) * normals
     found = np.array([package().project(surface, points + k * aside).faces for k in (0, 1, -1)])
     turns = [

@@ -115,7 +115,7 @@ class Subdivision {
     if (2 * locked > few) return first(problem, context);  // lines hold most of them
     Stretch coarser(context, 0.0, kFirst), solving(context, kFirst, kSolved),
         dividing(context, kSolved, 1.0);
-    const Sites start = begin(few, coarser.context());
+    Sites start = begin(few, coarser.context());
     if (start.size() == 0) return start;
     const Minimum found = optimized(coarse, start, solving.context());
     const StageSpan starting(context, Stage::kStart);

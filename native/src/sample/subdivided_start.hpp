@@ -11,8 +11,8 @@ struct SubdividedStart {
   int evaluations = 0;  ///< one of a quarter of the sites counts as a quarter
 };
 
-/// Whether a lattice is wanted of one class whose sites may go anywhere, or stay on lines, and sites
-/// are many enough to begin with fewer.
+/// Whether a lattice is wanted of one class whose sites may go anywhere, or stay on lines, and
+/// sites are many enough to begin with fewer.
 [[nodiscard]] bool can_subdivide(const ClassProblem& problem, const ClassOptions& options);
 
 /// Initial positions for patches of a lattice. A quarter of the sites is optimized first, itself
