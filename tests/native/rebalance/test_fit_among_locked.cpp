@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <dapple/errors.hpp>
 #include <dapple/poisson_start.hpp>
 
 #include "rebalance/fit_among_locked.hpp"
