@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .base.errors import ScatterError
 from .base.native import named, package
-from .surface.arrays import Floats, Ints
+from .surface.arrays import Floats, Ints, normals_of
 
 _INWARD = 1e-3  # of the way from a corner on a line to the middle of its triangle
 _ALIKE = 0.05  # difference of the cosines of two faces that are turned alike
@@ -89,7 +89,7 @@ def _with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) ->
     places, triangles = vertices[faces[on_line]], np.nonzero(on_line)[0]
     inward = _INWARD * (middles[triangles] - places)
     beside = _faces_along(
-        surface, old, places + inward, inward, _normals(vertices[faces])[triangles]
+        surface, old, places + inward, inward, normals_of(vertices[faces])[triangles]
     )
     corner_source[on_line] = beside
     corner_weights[on_line] = _weights_at(places, old.vertices[old.faces[beside]])
@@ -109,15 +109,6 @@ def _with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) ->
     )
 
 
-def _normals(triangles: Floats) -> Floats:
-    """Unit normals (n, 3) of triangles (n, 3, 3); 0 of those without area."""
-    a, b, c = (triangles[:, k] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    found: Floats = normals / np.where(lengths > 0, lengths, 1.0)
-    return found
-
-
 def _faces_along(surface: Any, old: OldMesh, points: Floats, ways: Floats, normals: Floats) -> Ints:
     """The old face (n,) at each point of a triangle.
 
@@ -127,7 +118,7 @@ def _faces_along(surface: Any, old: OldMesh, points: Floats, ways: Floats, norma
     aside = _BESIDE * np.linalg.norm(ways, axis=1, keepdims=True) * normals
     found = np.array([package().project(surface, points + k * aside).faces for k in (0, 1, -1)])
     turns = [
-        np.abs((_normals(old.vertices[old.faces[one]]) * normals).sum(axis=1)) for one in found
+        np.abs((normals_of(old.vertices[old.faces[one]]) * normals).sum(axis=1)) for one in found
     ]
     gains = np.array(turns) - [[0.0], [_ALIKE], [_ALIKE]]
     best: Ints = found[gains.argmax(axis=0), np.arange(len(points))]

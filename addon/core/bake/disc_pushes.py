@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ..base.native import package
 from ..density.masked_surface import MaskedSurface
-from ..surface.arrays import Floats, Ints
-from .overlaps import SAME_SIDE, Discs, normals_of
+from ..surface.arrays import Floats, Ints, normals_of
+from .overlaps import SAME_SIDE, Discs
 
 _NEARLY = 0.002  # share of an overlap that may remain
 _BEYOND = 0.001  # of a distance: how much farther discs are pushed

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..surface.arrays import Floats, Ints
+from ..surface.arrays import Floats, Ints, normals_of
 from ..surface.records import Placed
 
 SAME_SIDE = -0.5  # cosine between the normals of two points: others lie on two sides of a sheet
@@ -121,14 +121,6 @@ def overlaps_from(text: str) -> list[Overlap]:
         return []
     sane = all(0.0 <= share <= 1.0 and abs(frame) < 1 << 31 for share, frame, _ in stored)
     return [Overlap(*one) for one in stored] if sane else []
-
-
-def normals_of(corners: Floats) -> Floats:
-    """Unit normals (n, 3) of triangles (n, 3, 3); 0 without an area."""
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(across, axis=1, keepdims=True)
-    found: Floats = across / np.where(lengths > 0.0, lengths, 1.0)
-    return found
 
 
 def _near(points: Floats, others: Floats, reach: float) -> Ints:

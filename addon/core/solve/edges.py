@@ -15,7 +15,7 @@ from ..density.masked_surface import MaskedSurface
 from ..settings.edge_table import KINDS
 from ..settings.tables import SCATTER
 from ..settings.values import MARKED, Settings, marks_of
-from ..surface.arrays import Floats, Ints, SurfaceArrays
+from ..surface.arrays import Floats, Ints, SurfaceArrays, normals_of
 from ..surface.binding import binding_of
 from ..surface.frames import frames, shading
 from ..surface.records import Binding
@@ -75,9 +75,10 @@ def bound_on_edges(samples: Any, tangents: Floats, surface: SurfaceArrays) -> Bi
     start, end, on_edge = _edge_ends(binding, tangents, surface)
     binding = _turned_along(binding, tangents, surface)
     other = _other_faces(binding, samples.faces, start, end, surface)
-    cosines = np.einsum(
-        "nd,nd->n", _face_normals(samples.faces, surface), _face_normals(other, surface)
+    own, beyond = (
+        normals_of(surface.vertices[surface.faces[faces]]) for faces in (samples.faces, other)
     )
+    cosines = np.einsum("nd,nd->n", own, beyond)
     rows = np.flatnonzero(on_edge & (other >= 0) & (cosines > _OPPOSITE)).astype(np.int32)
     return binding.with_rows(rows, _between(binding, rows, (start, end), other, surface))
 
@@ -198,13 +199,6 @@ def _other_faces(
         face = (order[np.minimum(begin + step, len(order) - 1)] // 3).astype(np.int32)
         found = np.where((found < 0) & there & (face != faces), face, found)
     return found.astype(np.int32)
-
-
-def _face_normals(faces: Ints, surface: SurfaceArrays) -> Floats:
-    """Unit normals (n, 3) of some faces."""
-    first, second, third = (surface.vertices[surface.faces[faces, k]] for k in range(3))
-    found = np.cross(second - first, third - first)
-    return found / np.maximum(np.linalg.norm(found, axis=1), 1e-300)[:, None]
 
 
 def _between(

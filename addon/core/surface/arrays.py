@@ -129,6 +129,14 @@ def topology_digest(vertex_count: int, corners: Ints, starts: Ints) -> str:
     return digest.hexdigest()
 
 
+def normals_of(corners: Floats) -> Floats:
+    """Unit normals (n, 3) of triangles (n, 3, 3); 0 without an area."""
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(across, axis=1, keepdims=True)
+    found: Floats = across / np.where(lengths > 0.0, lengths, 1.0)
+    return found
+
+
 def check_same_topology(
     first: SurfaceArrays, later: SurfaceArrays, when: str, remedy: str = REATTACH
 ) -> None:
