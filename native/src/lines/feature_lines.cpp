@@ -9,7 +9,6 @@
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
-#include "base/sets.hpp"
 #include "base/validate.hpp"
 #include "lines/crease_noise.hpp"
 #include "lines/line_network.hpp"
@@ -99,16 +98,18 @@ void FeatureLines::orient(const OrderedSurface& mesh, const Context* context) {
 
 void FeatureLines::classify(const OrderedSurface& mesh, const LineRules& rules,
                             const Context* context) {
+  const double limit = std::cos(rules.feature_angle * std::numbers::pi / 180.0);
   parallel_chunks(kinds_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     check_context(context);
     for (std::size_t k = begin; k < end; ++k)
-      kinds_[k] = classified(mesh, static_cast<std::int32_t>(k), rules);
+      kinds_[k] = classified(mesh, static_cast<std::int32_t>(k), rules, limit);
   });
 }
 
 /// What a half-edge is by the faces around it.
+/// \param limit cosine of the feature angle
 LineKind FeatureLines::classified(const OrderedSurface& mesh, std::int32_t h,
-                                  const LineRules& rules) const {
+                                  const LineRules& rules, double limit) const {
   if (!mesh.counts(face_of(h))) return LineKind::kNone;
   const int faces = faces_around(mesh, h);
   if (faces == 1 && rules.borders) return LineKind::kBorder;
@@ -124,7 +125,6 @@ LineKind FeatureLines::classified(const OrderedSurface& mesh, std::int32_t h,
   if (left < 0 || right < 0) return LineKind::kNone;
   const Vec3 a = sign(face_of(left)) * mesh.geometry(face_of(left)).normal;
   const Vec3 b = sign(face_of(right)) * mesh.geometry(face_of(right)).normal;
-  const double limit = std::cos(rules.feature_angle * std::numbers::pi / 180.0);
   return a.dot(b) < limit ? LineKind::kCrease : LineKind::kNone;
 }
 
@@ -163,16 +163,7 @@ void FeatureLines::mark(const OrderedSurface& mesh,
 
 /// Find vertices whose faces are more than one fan, connected over edges.
 void FeatureLines::find_pinched(const OrderedSurface& mesh) {
-  Sets fans(kinds_.size());
-  for (std::size_t k = 0; k < kinds_.size(); ++k) {
-    const auto h = static_cast<std::int32_t>(k);
-    for (std::int32_t g = mesh.next_around(h); g != h; g = mesh.next_around(g)) {
-      const auto end = [](std::int32_t half) { return half - half % 3 + (half + 1) % 3; };
-      const bool opposite = start_of(mesh, h) != start_of(mesh, g);
-      fans.join(h, opposite ? end(g) : g);
-      fans.join(end(h), opposite ? g : end(g));
-    }
-  }
+  Sets fans = fans_of(mesh);
   std::vector<std::array<std::int32_t, 2>> seen;  // vertex, fan
   for (std::size_t k = 0; k < kinds_.size(); ++k) {
     const auto h = static_cast<std::int32_t>(k);

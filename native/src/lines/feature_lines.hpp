@@ -60,7 +60,7 @@ class FeatureLines {
   void orient(const OrderedSurface& mesh, const Context* context);
   void classify(const OrderedSurface& mesh, const LineRules& rules, const Context* context);
   [[nodiscard]] LineKind classified(const OrderedSurface& mesh, std::int32_t h,
-                                    const LineRules& rules) const;
+                                    const LineRules& rules, double limit) const;
   void mark(const OrderedSurface& mesh, std::span<const std::array<std::int32_t, 2>> marked);
   void build(const OrderedSurface& mesh, const LineRules& rules);
   void find_pinched(const OrderedSurface& mesh);

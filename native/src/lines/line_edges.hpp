@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/sets.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -47,6 +48,21 @@ struct LineRules {
 [[nodiscard]] inline std::int32_t twin_of(const OrderedSurface& mesh, std::int32_t h) {
   const std::int32_t g = mesh.next_around(h);
   return g != h && mesh.next_around(g) == h ? g : -1;
+}
+
+/// The corners of faces, half-edges as well, in fans: those around a vertex that are connected over
+/// edges.
+[[nodiscard]] inline Sets fans_of(const OrderedSurface& mesh) {
+  const auto halves = static_cast<std::int32_t>(3 * mesh.face_count());
+  const auto end = [](std::int32_t half) { return half - half % 3 + (half + 1) % 3; };
+  Sets fans(static_cast<std::size_t>(halves));
+  for (std::int32_t h = 0; h < halves; ++h)
+    for (std::int32_t g = mesh.next_around(h); g != h; g = mesh.next_around(g)) {
+      const bool opposite = start_of(mesh, h) != start_of(mesh, g);
+      fans.join(h, opposite ? end(g) : g);
+      fans.join(end(h), opposite ? g : end(g));
+    }
+  return fans;
 }
 
 /// Visit each half-edge of an edge.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimize/chosen_sites.hpp"
 
+#include <numeric>
+#include <vector>
+
 #include "base/vectors.hpp"
 
 namespace dapple {
@@ -9,6 +12,10 @@ Sites select(const Sites& sites, std::span<const std::int32_t> members) {
   Sites result;
   select(sites, members, result);
   return result;
+}
+
+Sites select(const Sites& sites, std::span<const std::size_t> members) {
+  return select(sites, std::vector<std::int32_t>(members.begin(), members.end()));
 }
 
 void select(const Sites& sites, std::span<const std::int32_t> members, Sites& chosen) {
@@ -22,6 +29,12 @@ void select(const Sites& sites, std::span<const std::int32_t> members, Sites& ch
     chosen.faces[k] = sites.faces[site];
     if (bound) chosen.barycentric[k] = sites.barycentric[site];
   });
+}
+
+Sites without_first(const Sites& sites, std::size_t count) {
+  std::vector<std::int32_t> rest(sites.size() - count);
+  std::iota(rest.begin(), rest.end(), static_cast<std::int32_t>(count));
+  return select(sites, rest);
 }
 
 void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen) {

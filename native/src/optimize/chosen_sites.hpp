@@ -8,8 +8,12 @@ namespace dapple {
 
 /// The chosen sites.
 [[nodiscard]] Sites select(const Sites& sites, std::span<const std::int32_t> members);
+[[nodiscard]] Sites select(const Sites& sites, std::span<const std::size_t> members);
 /// The same in the memory of `chosen`.
 void select(const Sites& sites, std::span<const std::int32_t> members, Sites& chosen);
+
+/// All but the first so many sites.
+[[nodiscard]] Sites without_first(const Sites& sites, std::size_t count);
 
 /// Put chosen sites back: the inverse of select().
 void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen);

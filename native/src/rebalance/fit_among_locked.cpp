@@ -44,13 +44,10 @@ FittedSites fit_among_locked(const Surface& surface, const Domain& domain, const
   const double capacity = capacity_for(shared, count);
   Thinned thinned = thin_out(surface, domain, sites, {free, capacity, std::move(diagram)}, context);
   keep_to_count(count, capacities, locked, thinned.stay);
-  const std::vector<std::int32_t> stay(thinned.stay.begin(), thinned.stay.end());
-  const Sites left = select(sites, stay);
-  FittedSites result{std::move(thinned.stay),
-                     widest_gaps(surface, {left, std::vector<bool>(left.size(), true), capacity},
-                                 count - left.size(), seed, context),
-                     thinned.evaluations + 1};
-  return result;
+  const Sites left = select(sites, thinned.stay);
+  Sites fresh = widest_gaps(surface, {left, std::vector<bool>(left.size(), true), capacity},
+                            count - left.size(), seed, context);
+  return {std::move(thinned.stay), std::move(fresh), thinned.evaluations + 1};
 }
 
 }  // namespace dapple

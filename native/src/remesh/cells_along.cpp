@@ -12,8 +12,8 @@
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
-#include "base/sets.hpp"
 #include "base/triangle.hpp"
+#include "lines/line_edges.hpp"
 
 namespace dapple {
 namespace {
@@ -133,16 +133,7 @@ CellsAlong::CellsAlong(const Surface& surface) : surface_(surface), mesh_(surfac
 /// Faces around a vertex that are connected over edges share a node.
 void CellsAlong::find_nodes() {
   const auto halves = static_cast<std::int32_t>(3 * surface_.face_count());
-  Sets fans(as_index(halves));
-  for (std::int32_t h = 0; h < halves; ++h)
-    for (std::int32_t g = mesh_.next_around(h); g != h; g = mesh_.next_around(g)) {
-      const auto start = [&](std::int32_t half) {
-        return mesh_.welded_corners(face_of(half))[as_index(half % 3)];
-      };
-      const bool opposite = start(h) != start(g);
-      fans.join(h, opposite ? next_corner(g) : g);
-      fans.join(next_corner(h), opposite ? g : next_corner(g));
-    }
+  Sets fans = fans_of(mesh_);
   nodes_.resize(as_index(halves));
   std::int32_t count = 0;
   for (std::int32_t h = 0; h < halves; ++h) {

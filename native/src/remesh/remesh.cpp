@@ -144,12 +144,7 @@ class Remesher {
   [[nodiscard]] std::vector<double> finer_edges() const;
 
   /// The sites of the last solution that are on no line.
-  [[nodiscard]] Sites free_sites() const {
-    std::vector<std::int32_t> members;
-    for (std::size_t k = solved_lines_; k < solution_.size(); ++k)
-      members.push_back(static_cast<std::int32_t>(k));
-    return select(solution_, members);
-  }
+  [[nodiscard]] Sites free_sites() const { return without_first(solution_, solved_lines_); }
 
  private:
   /// Drop creases at which the topology cannot be reached, such as two that touch; then marked

@@ -55,11 +55,6 @@ std::vector<T> chosen(const std::vector<T>& from, const std::vector<std::size_t>
   return result;
 }
 
-Sites chosen(const Sites& from, const std::vector<std::size_t>& which) {
-  return {chosen(from.positions, which), chosen(from.faces, which),
-          chosen(from.barycentric, which)};
-}
-
 /// Sites among locked ones: remove crowded ones and insert new ones into the widest gaps.
 Beginning begin_among_locked(const Surface& surface, const Domain& domain, const Samples& samples,
                              std::span<const std::int32_t> which, std::size_t count,
@@ -69,14 +64,14 @@ Beginning begin_among_locked(const Surface& surface, const Domain& domain, const
   for (const std::int32_t k : which) locked[static_cast<std::size_t>(k)] = true;
   std::vector<std::size_t> rows = lead_near_ones(
       surface, domain, sites, {locked, kNear * surface.spacing(count), false}, context);
-  sites = chosen(sites, rows);
+  sites = select(sites, rows);
   locked = chosen(locked, rows);
   const FittedSites fitted =
       fit_among_locked(domain.sampling_surface(count), domain, sites, locked, count, seed, context);
   rows = chosen(rows, fitted.stay);
   Beginning result{bind_samples(surface, chosen(samples.faces, rows),
                                 chosen(samples.barycentric, rows), chosen(samples.ids, rows)),
-                   chosen(sites, fitted.stay), fitted.evaluations, chosen(locked, fitted.stay),
+                   select(sites, fitted.stay), fitted.evaluations, chosen(locked, fitted.stay),
                    rows};
   const std::size_t missing = count - result.sites.size();
   append(result.sites, fitted.fresh);

@@ -57,12 +57,6 @@ Sites edge_middles(const Domain& domain, const Evaluation& state, std::size_t lo
   return domain.project(middles, hints, context);
 }
 
-Sites without_first(const Sites& sites, std::size_t count) {
-  std::vector<std::int32_t> rest;
-  for (std::size_t k = count; k < sites.size(); ++k) rest.push_back(static_cast<std::int32_t>(k));
-  return select(sites, rest);
-}
-
 /// Locked sites in place of those of the coarser level, its other sites, and edge middles.
 Divided divided(const Domain& domain, const Evaluation& state, std::size_t locked,
                 const Sites& locked_now, const Context* context) {
@@ -91,8 +85,7 @@ std::size_t moved(const FittedSites& found, std::size_t before) {
 }
 
 Sites remaining(const Sites& sites, const FittedSites& found) {
-  const std::vector<std::int32_t> stay(found.stay.begin(), found.stay.end());
-  Sites result = select(sites, stay);
+  Sites result = select(sites, found.stay);
   append(result, found.fresh);
   return result;
 }
