@@ -162,8 +162,9 @@ TEST(Watched, SurfacesOfAllKinds) {
   });
   const Shape large = blob(6);
   const Surface surface = large.surface();
-  const std::vector<double> seen = expect_honest_progress(
-      [&](Context* context) { (void)surface.deformed(large.vertices, context); });
+  const std::vector<Vec3> moved = deformed(large.vertices, 1.0);
+  const std::vector<double> seen =
+      expect_honest_progress([&](Context* context) { (void)surface.deformed(moved, context); });
   EXPECT_GT(distinct({seen.begin(), std::lower_bound(seen.begin(), seen.end(), 0.4)}), 10)
       << "room is made without a word";
   Context cancelled;

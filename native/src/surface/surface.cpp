@@ -177,6 +177,7 @@ Surface Surface::deformed(std::span<const Vec3> vertices, Context* context) cons
                        " rows; the surface has " + std::to_string(vertex_count()) +
                        " vertices, and deforming keeps their number");
   check_finite<SurfaceError>("vertices", vertices);
+  if (context) context->check();
   Surface result = *this;
   if (!ordered_->has_vertices(vertices))
     result.ordered_ = std::make_shared<const OrderedSurface>(ordered_->deformed(vertices, context));
