@@ -8,6 +8,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,17 +17,10 @@ import numpy as np
 Made = tuple[Any, Any]  # vertices, faces
 
 
-def dapple(vertices: Any, faces: Any, count: int) -> Made:
+def dapple(vertices: Any, faces: Any, count: int, **options: Any) -> Made:
     import dapple3d
 
-    made = dapple3d.remesh(dapple3d.Surface(vertices, faces), count)
-    return made.vertices, made.faces
-
-
-def dapple_smooth(vertices: Any, faces: Any, count: int) -> Made:
-    import dapple3d
-
-    made = dapple3d.remesh(dapple3d.Surface(vertices, faces), count, feature_angle=180)
+    made = dapple3d.remesh(dapple3d.Surface(vertices, faces), count, **options)
     return made.vertices, made.faces
 
 
@@ -141,7 +135,8 @@ def blender_quadriflow(vertices: Any, faces: Any, count: int) -> Made:
 
 CONTENDERS: dict[str, Callable[[Any, Any, int], Made]] = {
     "dapple": dapple,
-    "dapple, no creases": dapple_smooth,
+    "dapple, no creases": partial(dapple, feature_angle=180),
+    "dapple, adaptive": partial(dapple, adaptive=True),
     "geogram": geogram,
     "pyacvd": pyacvd,
     "pymeshlab": pymeshlab,

@@ -20,7 +20,7 @@ inline auto members(RemeshReport& r) {
 }
 inline auto members(RemeshResult& r) {
   return std::tie(r.vertices, r.faces, r.source_faces, r.barycentric, r.features, r.lines,
-                  r.report);
+                  r.density, r.report);
 }
 inline void check_members(const RemeshResult& r) {
   for (const std::size_t length : {r.source_faces.size(), r.barycentric.size(), r.features.size()})
@@ -93,7 +93,8 @@ void bind_report(py::module_& m) {
       .def_readonly("flaws", &RemeshReport::flaws,
                     "Number of places where the topology differs from that of the surface.")
       .def_readonly("distance", &RemeshReport::distance,
-                    "The largest distance that max_distance limits; 0 without a limit.")
+                    "The largest distance that max_distance limits; 0 without a limit,"
+                    " if not adaptive.")
       .def_readonly("evaluations", &RemeshReport::evaluations, "Of the energy and its gradient.")
       .def_readonly("converged", &RemeshReport::converged,
                     "False if the evaluations ran out first.")
@@ -136,6 +137,16 @@ void bind_remesh(py::module_& m) {
             return rows_view(self, self.cast<const RemeshResult&>().lines);
           },
           "(k, 2) int32: edges along lines, by their vertices, the lower one first.")
+      .def_property_readonly(
+          "density",
+          [](const py::object& self) -> py::object {
+            const std::vector<double>& values = self.cast<const RemeshResult&>().density;
+            if (values.empty()) return py::none();
+            return view(self, values.data(),
+                        {static_cast<py::ssize_t>(values.size() / 3), py::ssize_t{3}});
+          },
+          "(f, 3) float64 at the corners of the surface's faces: what the vertices follow if "
+          "adaptive, for surface.with_density(). None where it is the surface's own density.")
       .def_property_readonly(
           "report", [](const RemeshResult& mesh) { return mesh.report; }, "The RemeshReport.");
 

@@ -65,7 +65,8 @@ bool same_bytes(const Mosaic& a, const Mosaic& b) {
 
 bool same_bytes(const RemeshResult& a, const RemeshResult& b) {
   return equal(a.vertices, b.vertices) && a.faces == b.faces && a.lines == b.lines &&
-         equal(a.source_faces, b.source_faces) && equal(a.barycentric, b.barycentric);
+         equal(a.source_faces, b.source_faces) && equal(a.barycentric, b.barycentric) &&
+         equal(a.density, b.density);
 }
 
 bool same_bytes(const Stipples& a, const Stipples& b) {

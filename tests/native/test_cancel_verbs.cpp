@@ -346,6 +346,11 @@ TEST(Watched, ARemeshWithinADistance) {
       [&](Context* context) { (void)remesh(surface, 12, {.max_distance = 0.2}, context); });
 }
 
+TEST(Watched, AnAdaptedRemesh) {
+  const Surface surface = blob(1).surface();
+  expect_watched([&](Context* context) { (void)remesh(surface, 20, {.adaptive = true}, context); });
+}
+
 TEST(Watched, Stipples) {
   Image ink{16, 16, {}}, other{16, 16, {}};
   for (int k = 0; k < 256; ++k) {

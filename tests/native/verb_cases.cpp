@@ -251,21 +251,25 @@ Prepare sampling_in_pairs(int threads) {
   });
 }
 
-Prepare remeshing(const Surface& surface, std::size_t count, double max_distance, int threads) {
-  return again([surface, count, max_distance, threads](Hash& hash) {
-    RemeshOptions options;
-    options.optimizer.max_evaluations = 3;
-    options.max_distance = max_distance;
-    options.threads = threads;
+Prepare remeshing(const Surface& surface, std::size_t count, RemeshOptions options, int threads) {
+  options.optimizer.max_evaluations = 3;
+  options.threads = threads;
+  return again([surface, count, options](Hash& hash) {
     const RemeshResult mesh = remesh(surface, count, options);
     hash.add(mesh.vertices);
     hash.add(mesh.faces);
   });
 }
 
-Prepare remeshing_a_box(int threads) { return remeshing(box(2).surface(), 40, 0.0, threads); }
+Prepare remeshing_a_box(int threads) { return remeshing(box(2).surface(), 40, {}, threads); }
 
-Prepare remeshing_near(int threads) { return remeshing(icosphere(1).surface(), 10, 0.2, threads); }
+Prepare remeshing_near(int threads) {
+  return remeshing(icosphere(1).surface(), 10, {.max_distance = 0.2}, threads);
+}
+
+Prepare remeshing_adapted(int threads) {
+  return remeshing(blob(1).surface(), 20, {.adaptive = true}, threads);
+}
 
 Prepare covering(int) {
   const Surface surface = grid(3).surface();
@@ -413,6 +417,7 @@ constexpr std::array kCases = {
     Case{"Symmetric", sampling_in_pairs},
     Case{"Remesh", remeshing_a_box},
     Case{"RemeshNear", remeshing_near},
+    Case{"RemeshAdapted", remeshing_adapted},
     Case{"Decals", covering},
     Case{"Refine", refining},
     Case{"RefineOutside", leaving_out_hidden_faces, 1},  // as Polygon

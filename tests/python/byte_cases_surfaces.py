@@ -72,6 +72,7 @@ CASES |= {
     "remesh_box": remeshed(BOX, 300),
     "remesh_smooth": remeshed(BOX, 300, feature_angle=180),
     "remesh_near": remeshed(TORUS, 100, max_distance=0.02),
+    "remesh_adapted": remeshed(TORUS, 100, adaptive=True),
 }
 
 

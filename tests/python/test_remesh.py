@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """dapple3d.remesh: meshes made of the cells of sites."""
 
+import pickle
+
 import dapple3d as dapple
 import numpy as np
 import pytest
@@ -104,6 +106,41 @@ def test_a_distance_that_cannot_be_reached_is_told():
     assert len(mesh) > 20
     assert mesh.report.distance > 1e-12
     assert mesh.report.flaws == 0
+
+
+def half_flat():
+    """A torus of which one half is flat, with sharp rims."""
+    vertices, faces = shapes.torus(60, 30)
+    vertices[:, 2] *= np.where(vertices[:, 0] > 0.0, 1.0, 0.25)
+    return vertices, faces
+
+
+def test_adapts_to_the_surface():
+    surface = dapple.Surface(*half_flat())
+    even = dapple.remesh(surface, 300, feature_angle=180)
+    adapted = dapple.remesh(surface, 300, feature_angle=180, adaptive=True)
+    assert even.density is None
+    assert adapted.density.shape == (len(surface.faces), 3)
+    assert not adapted.density.flags.writeable
+    assert len(adapted) == 300
+    found = dapple.project(dapple.Surface(adapted.vertices, adapted.faces), surface.vertices)
+    assert found.distances.max() <= adapted.report.distance + 1e-12
+    again = pickle.loads(pickle.dumps(adapted))
+    np.testing.assert_array_equal(again.density, adapted.density)
+    assert pickle.loads(pickle.dumps(even)).density is None
+
+
+def test_a_moving_mesh_keeps_what_it_is_adapted_to():
+    vertices, faces = half_flat()
+    surface = dapple.Surface(vertices, faces)
+    mesh = dapple.remesh(surface, 600, adaptive=True, feature_angle=180)
+
+    tracker = dapple.MeshTracker(surface, mesh)
+    for k in range(12):
+        bent = vertices * (1.0 + 0.1 * k, 1.0, 1.0)
+        moved = tracker.advance(bent)
+    found = dapple.project(dapple.Surface(moved.vertices, mesh.faces), bent)
+    assert found.distances.max() < 2.0 * mesh.report.distance
 
 
 def test_stops_when_cancelled():

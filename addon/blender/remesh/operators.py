@@ -71,6 +71,14 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         subtype="DISTANCE",
     )
 
+    adaptive: bpy.props.BoolProperty(
+        name="Adaptive",
+        description="Vertices are closer together where the new mesh would be far from the old one,"
+        " as on small round parts: about half of the largest distance with as many vertices. It"
+        " takes about five times as long",
+        default=False,
+    )
+
     animation: bpy.props.EnumProperty(
         name="Animation",
         description="What becomes of the motion",
@@ -135,7 +143,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in ("count", "feature_angle", "max_distance", "animation"):
+        for name in ("count", "feature_angle", "max_distance", "adaptive", "animation"):
             layout.prop(self, name)
         if self.animation == "SHAPE_KEYS":
             column = layout.column(align=True)
@@ -156,8 +164,9 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
 
     def steps(self, context: bpy.types.Context) -> Steps:
         options = {
-            "feature_angle": math.degrees(self.feature_angle),
+            "feature_angle": min(math.degrees(self.feature_angle), 180.0),  # pi is rounded up
             "max_distance": self.max_distance,
+            "adaptive": self.adaptive,
         }
         if self.animation == "SHAPE_KEYS":
             frames = self._frames(context)

@@ -364,6 +364,13 @@ inline constexpr std::tuple kRemeshOptions = {
            "Largest distance of the new mesh from the surface, and of the surface from it: "
            "vertices are added until no vertex and no middle of an edge or face is farther away. 0 "
            "sets no limit."},
+    Option{"adaptive",
+           &RemeshOptions::adaptive,
+           {},
+           "",
+           Level::kBasic,
+           "Vertices are closer together where the mesh would be far from the surface: about half "
+           "of the largest distance with as many vertices. It takes about five times as long."},
     Option{
         "non_manifold",
         &RemeshOptions::non_manifold,

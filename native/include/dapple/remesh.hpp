@@ -36,6 +36,9 @@ struct RemeshOptions {
   /// Largest distance of the new mesh from the surface, and of the surface from it: vertices are
   /// added until no vertex and no middle of an edge or face is farther away. 0 sets no limit.
   double max_distance = 0.0;  // basic, >= 0
+  /// Vertices are closer together where the mesh would be far from the surface: about half of the
+  /// largest distance with as many vertices. It takes about five times as long.
+  bool adaptive = false;  // basic
   /// Edges with three or more faces stay as they are, or the faces around them are cut apart.
   NonManifold non_manifold = NonManifold::kKept;   // expert
   OptimizerOptions optimizer = lattice_options();  // options
@@ -79,7 +82,7 @@ struct RemeshReport {
   /// Places where the cells of the vertices still break the topology of the surface; 0 means that
   /// the new mesh has the topology of the old one.
   std::size_t flaws = 0;
-  /// The largest distance that `max_distance` limits; 0 without a limit.
+  /// The largest distance that `max_distance` limits; 0 without a limit, if not `adaptive`.
   double distance = 0.0;
   int evaluations = 0;
   bool converged = true;
@@ -95,6 +98,9 @@ struct RemeshResult {
   std::vector<Vec3> barycentric;           ///< per vertex: in that face; >= 0, sum 1
   std::vector<VertexFeature> features;     ///< per vertex
   std::vector<std::array<std::int32_t, 2>> lines;  ///< edges along lines, the lower vertex first
+  /// With `adaptive`, the density that the vertices follow: three values per face of the surface,
+  /// of its corners. Empty where it is the surface's own.
+  std::vector<double> density;
   RemeshReport report;
 };
 

@@ -90,6 +90,8 @@ class MeshTracker:
             raise ValueError("classes are given: the vertices of a mesh are of one class")
         self.faces: NDArray[np.int32] = np.asarray(mesh.faces)
         """(m, 3) int32: the triangles, the same on all frames."""
+        if mesh.density is not None:
+            surface = surface.with_density(mesh.density, density_at="corners")
         samples = Samples(surface, mesh.source_faces, mesh.barycentric)
         defaults = {one.name: one.default for one in option_table("remesh") if one.name in LATTICE}
         self._tracker = Tracker(surface, samples, context=context, **defaults | options)

@@ -311,6 +311,8 @@ class RemeshResult:
     @property
     def lines(self) -> NDArray[np.int32]: ...
     @property
+    def density(self) -> NDArray[np.float64] | None: ...
+    @property
     def report(self) -> RemeshReport: ...
 
 class Texels:
@@ -747,6 +749,7 @@ def remesh(
     seed: int = 0,
     feature_angle: float = 30.0,
     max_distance: float = 0.0,
+    adaptive: bool = False,
     non_manifold: Literal["kept", "cut"] = "kept",
     capacity_weight: float = 0.3,
     repulsion_weight: float = 0.0,

@@ -48,21 +48,42 @@ std::vector<Vec3> positions_of(std::span<const Place> places) {
   return result;
 }
 
+/// The middle of a triangle, or of an edge, whose second vertex stands twice.
+struct Middle {
+  Face of;
+  Vec3 position;
+};
+
 /// Middles of triangles and of their edges that are on no line.
-std::vector<Vec3> middles_of(const Dual& dual, const Sites& sites) {
-  std::vector<Vec3> result;
-  for (const Face& t : dual.triangles) {
+std::vector<Middle> middles_of(std::span<const Face> triangles,
+                               std::span<const std::array<std::int32_t, 2>> lines,
+                               std::span<const Vec3> positions) {
+  std::vector<Middle> result;
+  for (const Face& t : triangles) {
     Vec3 middle = Vec3::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
-      const Vec3 &p = sites.positions[as_index(a)], &q = sites.positions[as_index(b)];
-      middle += sites.positions[as_index(t[k])] / 3.0;
-      if (a == t[k] && !std::ranges::binary_search(dual.lines, std::array<std::int32_t, 2>{a, b}))
-        result.push_back(0.5 * (p + q));
+      const Vec3 &p = positions[as_index(a)], &q = positions[as_index(b)];
+      middle += positions[as_index(t[k])] / 3.0;
+      if (a == t[k] && !std::ranges::binary_search(lines, std::array<std::int32_t, 2>{a, b}))
+        result.push_back({{a, b, b}, 0.5 * (p + q)});
     }
-    result.push_back(middle);
+    result.push_back({t, middle});
   }
   return result;
+}
+
+std::vector<Vec3> positions_of(std::span<const Middle> middles) {
+  std::vector<Vec3> result;
+  for (const Middle& middle : middles) result.push_back(middle.position);
+  return result;
+}
+
+/// A mesh as a surface of its own.
+Surface surface_of(std::span<const Vec3> vertices, std::span<const Face> triangles) {
+  SurfaceOptions plain;
+  plain.weld = std::nullopt;
+  return {vertices, triangles, Density{}, plain};
 }
 
 /// Name the site nearest to each place, and sort.
@@ -92,9 +113,7 @@ FarPlaces DistanceCheck::far_places(const Dual& dual, const Sites& sites, double
                                     const Context* context) const {
   FarPlaces result;
   if (dual.triangles.empty()) return result;
-  SurfaceOptions plain;
-  plain.weld = std::nullopt;
-  const Surface mesh(sites.positions, dual.triangles, Density{}, plain);
+  const Surface mesh = surface_of(sites.positions, dual.triangles);
   std::vector<double> distances;
   add_old(Projector(mesh, false, context), limit, context, result, distances);
   add_new(dual, sites, limit, context, result, distances);
@@ -116,13 +135,38 @@ void DistanceCheck::add_old(const Projector& mesh, double limit, const Context* 
 void DistanceCheck::add_new(const Dual& dual, const Sites& sites, double limit,
                             const Context* context, FarPlaces& result,
                             std::vector<double>& distances) const {
-  const Projection found = projector_.project(middles_of(dual, sites), {}, context);
+  const Projection found = projector_.project(
+      positions_of(middles_of(dual.triangles, dual.lines, sites.positions)), {}, context);
   for (std::size_t k = 0; k < found.distances.size(); ++k) {
     result.largest = std::max(result.largest, found.distances[k]);
     if (found.distances[k] <= limit) continue;
     result.places.push_back({-1, Flaw::kFar, {found.positions[k], found.faces[k], -1}, {}});
     distances.push_back(found.distances[k]);
   }
+}
+
+MeshDistances DistanceCheck::distances(const RemeshResult& mesh, const Context* context) const {
+  MeshDistances result{std::vector<double>(mesh.vertices.size(), 0.0)};
+  if (mesh.faces.empty()) return result;
+  const auto take = [&](std::int32_t vertex, double distance) {
+    double& own = result.of_vertices[as_index(vertex)];
+    own = std::max(own, distance);
+    result.largest = std::max(result.largest, distance);
+  };
+  const std::vector<Middle> middles = middles_of(mesh.faces, mesh.lines, mesh.vertices);
+  const Projection of_middles = projector_.project(positions_of(middles), {}, context);
+  for (std::size_t k = 0; k < middles.size(); ++k)
+    for (const std::int32_t v : middles[k].of) take(v, of_middles.distances[k]);
+  const Surface surface = surface_of(mesh.vertices, mesh.faces);
+  const Projection of_old =
+      Projector(surface, false, context).project(positions_of(old_), {}, context);
+  const Neighbors tree(mesh.vertices);
+  std::vector<Neighbor> nearest;
+  for (std::size_t k = 0; k < old_.size(); ++k) {
+    tree.nearest(old_[k].position, 1, nearest);
+    take(nearest[0].index, of_old.distances[k]);
+  }
+  return result;
 }
 
 }  // namespace dapple

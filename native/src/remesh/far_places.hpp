@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dapple/projector.hpp>
+#include <dapple/remesh.hpp>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,12 @@ struct FarPlaces {
   double largest = 0.0;           ///< distance of all places that were looked at
 };
 
+/// How far a mesh and the surface that it is made from are apart.
+struct MeshDistances {
+  std::vector<double> of_vertices;  ///< the largest of the places nearest to each or beside it
+  double largest = 0.0;
+};
+
 /// Compares vertices, middles of edges and middles of faces of each of both with the other.
 class DistanceCheck {
  public:
@@ -24,6 +31,9 @@ class DistanceCheck {
   /// \throw Cancelled
   [[nodiscard]] FarPlaces far_places(const Dual& dual, const Sites& sites, double limit,
                                      const Context* context) const;
+
+  /// \throw Cancelled
+  [[nodiscard]] MeshDistances distances(const RemeshResult& mesh, const Context* context) const;
 
  private:
   void add_old(const Projector& mesh, double limit, const Context* context, FarPlaces& result,

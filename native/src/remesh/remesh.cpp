@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include "base/parallel.hpp"
@@ -19,6 +20,7 @@
 #include "base/validate.hpp"
 #include "density/piece_finder.hpp"
 #include "lines/line_sites.hpp"
+#include "remesh/adapted_density.hpp"
 #include "remesh/dual.hpp"
 #include "remesh/far_places.hpp"
 #include "remesh/measure.hpp"
@@ -53,6 +55,11 @@ constexpr double kSolved = 0.8;        // of the progress
 constexpr double kMended = 0.95;
 constexpr double kThinned = 0.8;  // if there is a limit of the distance
 constexpr double kHalfWay = 8.0;  // rounds after which half of the rest is done
+constexpr double kLearned = 0.7;  // of the progress, if the density is adapted
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+constexpr int kAdaptations = 4;       // meshes after the first, to be nearer to the surface
+constexpr int kAdaptingPatience = 2;  // of them without gain
+constexpr double kFlat = 1e-6;        // spacings: such a distance is rounding
 
 /// The distance between neighbors where the density is 1, if `count` vertices are spaced evenly:
 /// those on borders have half a cell.
@@ -677,10 +684,10 @@ RemeshResult remesh_along(const Surface& surface, std::size_t count, const Remes
   }
 }
 
+/// \param lines of the surface, with any density
 RemeshResult best_remesh(const Surface& surface, std::size_t count, const RemeshOptions& options,
-                         Context* context) {
+                         const FeatureLines& lines, Context* context) {
   Stretch first(context, 0.0, kFirst), second(context, kFirst, 1.0);
-  const FeatureLines lines(surface, rules_of(surface, count, options), context);
   Remesher remesher(surface, count, options, lines);
   remesher.run(first.context());
   const std::size_t flaws = remesher.flaws();
@@ -693,6 +700,68 @@ RemeshResult best_remesh(const Surface& surface, std::size_t count, const Remesh
   return made;
 }
 
+/// A density at corners, and the evaluations by which it was found.
+struct Adapted {
+  std::vector<double> density;  // empty: the surface's own
+  int evaluations = 0;
+};
+
+Surface with_values(const Surface& surface, const std::vector<double>& density) {
+  return density.empty() ? surface : surface.with_density({DensityAt::kCorners, density});
+}
+
+/// The density by which a mesh is nearest to the surface. It is learned from meshes that
+/// are not solved to their end, each denser where the one before was far from the surface.
+Adapted adapted_density(const Surface& surface, std::size_t count, const RemeshOptions& options,
+                        const FeatureLines& lines, Context* context) {
+  RemeshOptions rough = options;
+  rough.max_distance = 0.0;
+  rough.optimizer.tolerance *= kRough;
+  const DistanceCheck check(surface, lines, context);
+  AdaptedDensity density(surface, count);
+  Adapted best;
+  std::vector<double> now;
+  Sites start;
+  auto least = std::tuple(kNone, kNone, 0.0);  // flaws, vertices, distance
+  for (int k = 0, since = 0; k <= kAdaptations && since < kAdaptingPatience; ++k) {
+    Stretch round(context, k / (kAdaptations + 1.0), (k + 1.0) / (kAdaptations + 1.0));
+    const Surface dense = with_values(surface, now);
+    Remesher remesher(dense, count, rough, lines, start);
+    remesher.run(round.context());
+    start = remesher.free_sites();
+    const RemeshResult mesh = remesher.result(context);
+    best.evaluations += mesh.report.evaluations;
+    const MeshDistances far = check.distances(mesh, context);
+    const auto worth = std::tuple(mesh.report.flaws, mesh.vertices.size(), far.largest);
+    since = worth < least ? 0 : since + 1;
+    if (worth < least) best.density = now;
+    least = std::min(least, worth);
+    if (far.largest <= kFlat * surface.spacing(count)) break;
+    density.learn(mesh.vertices, far.of_vertices);
+    now = density.values();
+  }
+  return best;
+}
+
+RemeshResult adapted_remesh(const Surface& surface, std::size_t count, const RemeshOptions& options,
+                            const FeatureLines& lines, Context* context) {
+  Stretch learning(context, 0.0, kLearned), last(context, kLearned, 1.0);
+  const Adapted adapted = adapted_density(surface, count, options, lines, learning.context());
+  RemeshResult mesh =
+      best_remesh(with_values(surface, adapted.density), count, options, lines, last.context());
+  mesh.density = adapted.density;
+  mesh.report.evaluations += adapted.evaluations;
+  mesh.report.distance = DistanceCheck(surface, lines, context).distances(mesh, context).largest;
+  return mesh;
+}
+
+RemeshResult remesh_by(const Surface& surface, std::size_t count, const RemeshOptions& options,
+                       Context* context) {
+  const FeatureLines lines(surface, rules_of(surface, count, options), context);
+  return options.adaptive ? adapted_remesh(surface, count, options, lines, context)
+                          : best_remesh(surface, count, options, lines, context);
+}
+
 }  // namespace
 
 RemeshResult remesh(const Surface& surface, std::size_t count, const RemeshOptions& options,
@@ -701,7 +770,7 @@ RemeshResult remesh(const Surface& surface, std::size_t count, const RemeshOptio
   check(count, options);
   if (context) context->check();
   RemeshResult mesh = with_threads(
-      options.threads, [&] { return best_remesh(surface, count, options, call.context()); });
+      options.threads, [&] { return remesh_by(surface, count, options, call.context()); });
   Report times;
   call.write(times);
   mesh.report.seconds = times.seconds;

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Remesh with Dapple: the new mesh, and data taken over from the old one."""
 
+import math
+
 import bpy
 import dapple3d as dapple
 import numpy as np
@@ -175,6 +177,31 @@ def test_vertices_are_added_until_the_mesh_is_near(capfd):
     faces = np.array([polygon.vertices[:] for polygon in mesh.polygons])
     surface = dapple.Surface(positions(mesh).astype(float), faces)
     assert dapple.project(surface, before.astype(float)).distances.max() < 0.0201
+
+
+def test_an_angle_of_180_degrees_keeps_no_creases():
+    obj = cube()
+    obj.data.uv_layers.remove(obj.data.uv_layers[0])  # its seams would stay
+    mesh = remeshed(obj, count=200, feature_angle=math.pi)
+    assert len(mesh.vertices) == 200
+    corner = np.abs(positions(mesh)).min(axis=1).max()
+    assert corner < 0.999
+
+
+def test_adaptive_vertices_keep_the_shape_better():
+    def farthest(**options):
+        bpy.ops.mesh.primitive_torus_add(major_segments=60, minor_segments=30)
+        obj = bpy.context.object
+        obj.scale.z = 0.2
+        bpy.ops.object.transform_apply()
+        before = positions(obj.data).astype(float)
+        mesh = remeshed(obj, count=300, feature_angle=math.pi, **options)
+        assert len(mesh.vertices) == 300
+        faces = np.array([polygon.vertices[:] for polygon in mesh.polygons])
+        surface = dapple.Surface(positions(mesh).astype(float), faces)
+        return dapple.project(surface, before).distances.max()
+
+    assert farthest(adaptive=True) < 0.75 * farthest()
 
 
 def test_a_distance_that_is_out_of_reach_is_told(capfd):

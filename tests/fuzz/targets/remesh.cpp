@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
 #include <dapple/remesh.hpp>
 #include <dapple/topology.hpp>
 
@@ -34,6 +35,8 @@ void expect_mesh(const Surface& surface, const RemeshResult& mesh) {
       EXPECT_LT(static_cast<std::size_t>(face[k]), count);
       EXPECT_NE(face[k], face[(k + 1) % 3]);
     }
+  EXPECT_TRUE(mesh.density.empty() || mesh.density.size() == 3 * surface.face_count());
+  for (const double value : mesh.density) EXPECT_TRUE(std::isfinite(value) && value >= 0.0);
   const Topology before = topology(surface);
   if (mesh.report.flaws > 0 || !before.manifold) return;
   EXPECT_EQ(mesh.report.nonmanifold_edges, 0u);

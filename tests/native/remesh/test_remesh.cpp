@@ -320,6 +320,73 @@ TEST(Remesh, AFarLimitOfTheDistanceChangesNothing) {
   EXPECT_EQ(free.faces, near.faces);
 }
 
+/// A cube with edges rounded by a small radius, from a grid bent around it.
+Shape rounded_cube(int n, double radius) {
+  Shape shape = box(n);
+  for (Vec3& p : shape.vertices) {
+    const Vec3 inner = p.cwiseMax(Vec3::Constant(radius)).cwiseMin(Vec3::Constant(1.0 - radius));
+    const Vec3 out = p - inner;
+    if (out.norm() > 0.0) p = inner + radius * out.normalized();
+  }
+  return shape;
+}
+
+TEST(Remesh, AdaptedVerticesAreNearerToTheSurface) {
+  const Shape cube = rounded_cube(24, 0.1);
+  const Surface surface = cube.surface();
+  const auto apart = [&](const RemeshResult& mesh) {
+    return std::max(distance_of(mesh.vertices, mesh.faces, surface),
+                    distance_of(cube.vertices, cube.faces, Surface(mesh.vertices, mesh.faces)));
+  };
+  const RemeshResult even = remesh(surface, 600),
+                     adapted = remesh(surface, 600, {.adaptive = true});
+  expect_consistent(surface, adapted);
+  EXPECT_TRUE(even.density.empty());
+  EXPECT_EQ(adapted.density.size(), 3 * surface.face_count());
+  EXPECT_EQ(adapted.vertices.size(), 600u);
+  EXPECT_EQ(adapted.report.flaws, 0u);
+  EXPECT_LE(apart(adapted), 0.7 * apart(even));
+  EXPECT_GE(adapted.report.smallest_angle, 30.0);
+  EXPECT_GE(adapted.report.distance, 0.9 * apart(adapted));
+}
+
+TEST(Remesh, AdaptingChangesNothingWhereTheMeshIsTheSurface) {
+  const Surface surface = box(3).surface();
+  const RemeshResult even = remesh(surface, 200),
+                     adapted = remesh(surface, 200, {.adaptive = true});
+  EXPECT_EQ(even.vertices, adapted.vertices);
+  EXPECT_TRUE(adapted.density.empty());
+  EXPECT_NEAR(adapted.report.distance, 0.0, 1e-12);
+}
+
+TEST(Remesh, AdaptingKeepsTheDensityOfTheSurface) {
+  Shape shape = rounded_cube(30, 0.1);
+  std::vector<double> density;  // per face: more on one half, none at the end of the other
+  for (const Face& face : shape.faces) {
+    const double x = shape.vertices[static_cast<std::size_t>(face[0])].x();
+    density.push_back(x > 0.5 ? 4.0 : x > 0.1 ? 1.0 : 0.0);
+  }
+  const Surface surface(shape.vertices, shape.faces, {DensityAt::kFaces, density});
+  const RemeshResult mesh = remesh(surface, 400, {.adaptive = true});
+  expect_consistent(surface, mesh);
+  const auto there =
+      std::ranges::count_if(mesh.vertices, [](const Vec3& p) { return p.x() > 0.5; });
+  EXPECT_GT(there, 250);
+  for (std::size_t f = 0; f < density.size(); ++f)
+    EXPECT_EQ(density[f] == 0.0, mesh.density[3 * f] == 0.0);
+}
+
+TEST(Remesh, AdaptingAndALimitGoTogether) {
+  const Surface surface = rounded_cube(24, 0.1).surface();
+  const RemeshResult free = remesh(surface, 200, {.adaptive = true});
+  const double limit = 0.7 * free.report.distance;
+  const RemeshResult near = remesh(surface, 200, {.max_distance = limit, .adaptive = true});
+  EXPECT_LE(near.report.distance, limit);
+  EXPECT_GT(near.vertices.size(), 200u);
+  const RemeshResult even = remesh(surface, 200, {.max_distance = limit});
+  EXPECT_LT(near.vertices.size(), even.vertices.size());
+}
+
 TEST(Remesh, CellsOfABladeDoNotGoThroughIt) {
   const Surface surface = blade().surface();
   for (const std::size_t count : {60u, 150u, 400u}) {

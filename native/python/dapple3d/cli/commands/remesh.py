@@ -68,6 +68,7 @@ def command(
       dapple remesh bunny.ply even.ply -n 10000
       dapple remesh part.stl even.obj --spacing 0.5 --feature-angle 40
       dapple remesh part.stl even.obj -n 2000 --max-distance 0.01
+      dapple remesh scan.ply near.ply -n 10000 --adaptive
       dapple remesh walk.npz even.npz -n 5000
     """
     reporter = Reporter(json_out, quiet)
