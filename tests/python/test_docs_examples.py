@@ -57,7 +57,7 @@ RUN = {
     "docs/lines.md": {"sh": (1, "here"), "python": (2, "here")},
     "docs/symmetry.md": {"sh": (1, "here"), "python": (1, "here")},
     "docs/masks.md": {"sh": (2, "here"), "python": (1, "here")},
-    "docs/remeshing.md": {"sh": (2, "here"), "python": (4, "here")},
+    "docs/remeshing.md": {"sh": (2, "here"), "python": (5, "here")},
     "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
     "docs/peers.md": {"sh": (1, "test_peers.py")},
     "docs/stippling.md": {"sh": (1, "here"), "python": (1, "here")},
@@ -118,11 +118,13 @@ def test_the_page_on_remeshing_runs(here):
     np.savez("walk.npz", vertices=[vertices, 1.1 * vertices], faces=faces)
     for command in filter(None, code("docs/remeshing.md", "sh").splitlines()):
         assert run(*shlex.split(command)[1:]).exit_code == 0
-    first, near, second, third = code_blocks("docs/remeshing.md")
+    first, near, adapted, second, third = code_blocks("docs/remeshing.md")
     namespace = {}
     exec(first, namespace)
     exec(near, namespace)
     assert namespace["mesh"].report.distance <= 0.01
+    exec(adapted.replace("10_000", "300"), namespace)
+    assert len(namespace["mesh"]) == 300
     namespace["old_heights"] = namespace["surface"].vertices[:, 2]
     exec(second, namespace)
     np.testing.assert_allclose(namespace["heights"], namespace["mesh"].vertices[:, 2], atol=1e-6)
