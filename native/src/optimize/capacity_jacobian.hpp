@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "optimize/tangent_vectors.hpp"
 #include "voronoi/site_graph.hpp"
 
@@ -39,12 +43,30 @@ class CapacityJacobian {
     return members_.empty() ? cell : static_cast<std::size_t>(members_[cell]);
   }
 
+  /// The entries of a cell; fewer than its boundaries if several have the same neighbor.
+  struct Row {
+    std::uint32_t first = 0, count = 0;
+    [[nodiscard]] std::size_t end() const { return std::size_t{first} + count; }
+  };
+  /// An entry a_ji of a cell i that does not list its neighbor j.
+  struct Unlisted {
+    std::size_t cell, other;
+    Tangent in;
+  };
+  static constexpr std::size_t kNone = ~std::size_t{0};
+
+  void put_row(const RestrictedVoronoi& diagram, const std::vector<TangentBasis>& bases,
+               double factor, std::size_t cell);
+  void find_columns(const std::vector<TangentBasis>& bases, double factor);
+  [[nodiscard]] std::size_t entry(std::size_t cell, std::size_t other) const;
+
   std::span<const std::int32_t> members_;
   std::vector<Tangent> own_;          // J_ii
-  std::vector<std::size_t> starts_;   // of the entries of a cell i, one more than cells
+  std::vector<Row> rows_;             // of the entries of a cell i
   std::vector<std::int32_t> others_;  // per entry: cell j
   std::vector<Tangent> out_;          // per entry: a_ij, in the plane of i
   std::vector<Tangent> in_;           // per entry: a_ji, in the plane of j
+  std::vector<Unlisted> unlisted_;    // sorted
 };
 
 }  // namespace dapple
