@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <dapple/neighbors.hpp>
 #include <dapple/projector.hpp>
 #include <map>
 #include <set>
@@ -13,6 +12,7 @@
 #include "base/reorder.hpp"
 #include "base/sets.hpp"
 #include "base/vectors.hpp"
+#include "surface/opposite_points.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -33,13 +33,8 @@ constexpr double kMostPoints = 0x1p20;  // a larger number is reduced to this, w
 constexpr std::int32_t kNone = -1;
 
 /// Points that divide the faces, in their order, into parts of equal area.
-struct Laid {
-  std::vector<Vec3> positions, normals;
-  std::vector<std::int32_t> components;
-};
-
-Laid lay_points(const Surface& surface, double count) {
-  Laid result;
+LaidPoints lay_points(const Surface& surface, double count) {
+  LaidPoints result;
   const double step = surface.area() / count;
   double next = 0.5 * step, sum = 0.0, along = 0.0;
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
@@ -63,26 +58,10 @@ Laid lay_points(const Surface& surface, double count) {
 /// false if a wall has sides of several cells.
 bool may_have_walls(const Surface& surface, double spacing, double cells) {
   const double count = std::min(kPoints * cells, kMostPoints);
-  const Laid laid = lay_points(surface, count);
-  const Neighbors tree(laid.positions);
   const double apart = std::sqrt(kPoints * cells / count);
   const double reach = std::hypot(kThin, kAside * apart) * spacing;
-  const auto is_behind = [&](std::size_t k, std::size_t other) {
-    const Vec3 way = laid.positions[other] - laid.positions[k];
-    const double depth = way.dot(laid.normals[k]);
-    return laid.components[k] == laid.components[other] && std::abs(depth) < kThin * spacing &&
-           laid.normals[k].dot(laid.normals[other]) < kOpposite;
-  };
-  const double found = parallel_sum(laid.positions.size(), 256, [&](std::size_t k) {
-    std::vector<Neighbor> near;
-    tree.within(laid.positions[k], reach, near);
-    return std::any_of(
-               near.begin(), near.end(),
-               [&](const Neighbor& n) { return is_behind(k, static_cast<std::size_t>(n.index)); })
-               ? 1.0
-               : 0.0;
-  });
-  return found >= kFewest;
+  return has_opposite_points(lay_points(surface, count), {reach, kThin * spacing, kOpposite},
+                             static_cast<std::size_t>(kFewest));
 }
 
 class Sides {
