@@ -12,6 +12,7 @@ namespace {
 // step determines the smallest distance of the next state; with 1 the steps become too short (0.95
 // to 0.98 measured about the same, 0.98 best).
 constexpr double kNear = 0.98;
+constexpr double kSlack = 1e-9;  // relative, for rounding
 // The distance that a step leaves between two sites, relative to the repulsion radius: the few
 // pairs that are nearer than the others by far are separated at once, where the minimum of the
 // energy is reached only after many more steps.
@@ -129,18 +130,55 @@ void update_repulsion(Repulsion& repulsion, const RestrictedVoronoi& diagram,
   }
 }
 
-std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
-                               Vectors& moves, std::span<const Stranger> strangers) {
-  if (radii.empty()) return 0;
-  using Pair = std::array<std::size_t, 2>;
-  const auto near = of_close_pairs<Pair>(
-      diagram, strangers, [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<Pair>& out) {
-        const double least = std::min(kNear * 0.5 * (radii[i] + radii[j]), d.norm());
-        if ((d + moves[i] - moves[j]).norm() < least) out.push_back({i, j});
-      });
-  std::vector<bool> shortened(radii.size(), false);
-  for (const auto& [i, j] : near) shortened[i] = shortened[j] = true;
-  for (std::size_t k = 0; k < radii.size(); ++k)
+Approaches::Approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
+                       const Vectors& moves, std::span<const Stranger> strangers)
+    : diagram_(diagram), radii_(radii), strangers_(strangers) {
+  if (radii.empty()) return;
+  std::vector<double> lengths(moves.size());
+  for_each_vector(moves.size(), [&](std::size_t k) { lengths[k] = moves[k].norm(); });
+  const std::size_t count = diagram.cells.size();
+  candidates_.resize((count + kVectorGrain - 1) / kVectorGrain);
+  parallel_chunks(count, kVectorGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t k = 0; k < diagram.rows[i].count; ++k) {
+        const std::size_t side = diagram.rows[i].first + k;
+        const auto j = static_cast<std::size_t>(diagram.boundaries[side].neighbor);
+        if (j < i) continue;  // each pair is visited once
+        const double distance = diagram.boundaries[side].offset.norm();
+        if (distance - lengths[i] - lengths[j] < (1.0 + kSlack) * least(i, j, distance))
+          candidates_[begin / kVectorGrain].push_back({i, side});
+      }
+  });
+}
+
+double Approaches::least(std::size_t i, std::size_t j, double distance) const {
+  return std::min(kNear * 0.5 * (radii_[i] + radii_[j]), distance);
+}
+
+bool Approaches::is_too_near(std::size_t i, std::size_t j, const Vec3& d,
+                             const Vectors& moves) const {
+  return (d + moves[i] - moves[j]).norm() < least(i, j, d.norm());
+}
+
+std::size_t Approaches::shorten(Vectors& moves) const {
+  std::vector<bool> shortened(radii_.size(), false);
+  std::vector<std::vector<std::size_t>> found(candidates_.size());
+  parallel_chunks(candidates_.size(), 1, [&](std::size_t chunk, std::size_t) {
+    for (const auto& [i, side] : candidates_[chunk]) {
+      const CellBoundary& boundary = diagram_.boundaries[side];
+      const auto j = static_cast<std::size_t>(boundary.neighbor);
+      if (is_too_near(i, j, -boundary.offset, moves))
+        found[chunk].insert(found[chunk].end(), {i, j});
+    }
+  });
+  for (const auto& part : found)
+    for (const std::size_t k : part) shortened[k] = true;
+  for (const Stranger& pair : strangers_) {
+    const auto i = static_cast<std::size_t>(pair.i), j = static_cast<std::size_t>(pair.j);
+    if (!radii_.empty() && is_too_near(i, j, pair.offset, moves))
+      shortened[i] = shortened[j] = true;
+  }
+  for (std::size_t k = 0; k < shortened.size(); ++k)
     if (shortened[k]) moves[k] *= 0.5;
   return static_cast<std::size_t>(std::count(shortened.begin(), shortened.end(), true));
 }

@@ -48,11 +48,32 @@ void update_repulsion(Repulsion& repulsion, const RestrictedVoronoi& diagram,
                       const std::vector<double>& radii, double weight,
                       std::span<const Stranger> strangers = {}, double stronger = 1.0);
 
-/// Halve the moves of touching sites that would bring two of them nearer than r_ij and than they
-/// are: neither the repulsion's gradient nor its stiffness knows of pairs farther apart so far.
-/// \return how many sites that were
-std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
-                               Vectors& moves, std::span<const Stranger> strangers = {});
+/// Pairs of touching sites that moves bring nearer than r_ij and than they are: neither the
+/// repulsion's gradient nor its stiffness knows of pairs farther apart so far.
+class Approaches {
+ public:
+  /// The pairs that the moves, or shorter ones, may bring so near. All arguments must outlive this.
+  Approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
+             const Vectors& moves, std::span<const Stranger> strangers = {});
+
+  /// Halve the moves of such pairs.
+  /// \param moves those given first, or after calls of this
+  /// \return how many sites that were
+  std::size_t shorten(Vectors& moves) const;
+
+ private:
+  struct Candidate {
+    std::size_t site, boundary;
+  };
+  [[nodiscard]] double least(std::size_t i, std::size_t j, double distance) const;
+  [[nodiscard]] bool is_too_near(std::size_t i, std::size_t j, const Vec3& d,
+                                 const Vectors& moves) const;
+
+  const RestrictedVoronoi& diagram_;
+  const std::vector<double>& radii_;
+  std::span<const Stranger> strangers_;
+  std::vector<std::vector<Candidate>> candidates_;  // per chunk of sites
+};
 
 /// Pairs of touching sites to be kept apart by kLeast r_ij: those that moves leave nearer, and
 /// those around them. None if many are that near, as in white noise. \param normals of the surface,

@@ -36,10 +36,11 @@ constexpr double kFewTooFar = 0.02;  // share of all sites: if so few go too far
 /// there it would cost more than it gains.
 Vectors keep_apart(const Objective& objective, const Evaluation& state, Vectors direction) {
   if (objective.terms.size() > 1) return direction;
+  const Approaches approaches(state.diagram(), objective.terms[0].radii, direction,
+                              state.parts[0].strangers);
   Vectors full = direction;
   for (int pass = 0; pass < kPasses; ++pass) {
-    const std::size_t shortened = shorten_approaches(state.diagram(), objective.terms[0].radii,
-                                                     direction, state.parts[0].strangers);
+    const std::size_t shortened = approaches.shorten(direction);
     if (static_cast<double>(shortened) > kMostHeld * static_cast<double>(direction.size()))
       return full;
     if (shortened == 0) break;
