@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "optimize/contacts.hpp"
 #include "optimize/neighborhoods.hpp"
@@ -29,19 +30,35 @@ struct Pair {
   double spacing;
 };
 
-/// Call visit(pair, offset from j to i) for touching sites and sites of two bodies.
-template <typename Visit>
-void for_each_pair(const Objective& objective, const Evaluation& state, const Visit& visit) {
-  const auto call = [&](std::size_t i, std::size_t j, const Vec3& offset) {
-    visit(Pair{i, j, spacing_between(objective, state, i, j)}, offset);
+/// The local spacing at each site.
+std::vector<double> spacings_of(const Objective& objective, const Evaluation& state) {
+  std::vector<double> spacings(state.diagram().cells.size());
+  for_each_vector(spacings.size(),
+                  [&](std::size_t k) { spacings[k] = local_spacing(objective, state, 0, k); });
+  return spacings;
+}
+
+/// Sites of two bodies, then touching sites, for which wanted(pair, offset from j to i) is true.
+template <typename Wanted>
+std::vector<Pair> pairs_where(const Evaluation& state, const std::vector<double>& spacings,
+                              const Wanted& wanted) {
+  const auto add = [&](std::size_t i, std::size_t j, const Vec3& offset, std::vector<Pair>& out) {
+    const Pair pair{i, j, 0.5 * (spacings[i] + spacings[j])};
+    if (wanted(pair, offset)) out.push_back(pair);
   };
+  std::vector<Pair> all;
   for (const Stranger& pair : state.parts[0].strangers)
-    call(static_cast<std::size_t>(pair.i), static_cast<std::size_t>(pair.j), pair.offset);
+    add(static_cast<std::size_t>(pair.i), static_cast<std::size_t>(pair.j), pair.offset, all);
   const RestrictedVoronoi& diagram = state.diagram();
-  for (std::size_t i = 0; i < diagram.cells.size(); ++i)
-    for (const CellBoundary& side : diagram.boundary(i))
-      if (const auto j = static_cast<std::size_t>(side.neighbor); j > i)
-        call(i, j, Vec3(-side.offset));
+  std::vector<std::vector<Pair>> found((diagram.cells.size() + kVectorGrain - 1) / kVectorGrain);
+  parallel_chunks(diagram.cells.size(), kVectorGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (const CellBoundary& side : diagram.boundary(i))
+        if (const auto j = static_cast<std::size_t>(side.neighbor); j > i)
+          add(i, j, Vec3(-side.offset), found[begin / kVectorGrain]);
+  });
+  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 /// Add a contact if the pair can move apart along the surface.
@@ -55,27 +72,18 @@ bool add_pair(const Planes& planes, const Pair& pair, const Vec3& offset, double
 }
 
 /// Sites that are too near to others and can move apart.
-Chosen crowded(const Objective& objective, const Evaluation& state) {
+Chosen crowded(const Objective& objective, const Evaluation& state,
+               const std::vector<double>& spacings) {
   const Planes planes{state.normals, objective.locked};
-  std::vector<Contact> contacts;
-  for_each_pair(objective, state, [&](const Pair& pair, const Vec3& offset) {
-    if (offset.norm() < kNear * pair.spacing)
-      add_pair(planes, pair, offset, kApart * pair.spacing, contacts);
-  });
   Chosen sites;
-  for (const Contact& contact : contacts) sites.insert(sites.end(), {contact.i, contact.j});
+  for (const Pair& pair : pairs_where(state, spacings, [&](const Pair& near, const Vec3& offset) {
+         std::vector<Contact> contact;
+         return offset.norm() < kNear * near.spacing &&
+                add_pair(planes, near, offset, kApart * near.spacing, contact);
+       }))
+    sites.insert(sites.end(), {pair.i, pair.j});
   make_unique(sites);
   return sites;
-}
-
-/// The pairs of which at least one site may move.
-std::vector<Pair> pairs_around(const Objective& objective, const Evaluation& state,
-                               const std::vector<bool>& near) {
-  std::vector<Pair> pairs;
-  for_each_pair(objective, state, [&](const Pair& pair, const Vec3&) {
-    if (near[pair.i] || near[pair.j]) pairs.push_back(pair);
-  });
-  return pairs;
 }
 
 /// Moves that lead pairs apart that are too near, and bring no others too near.
@@ -97,10 +105,12 @@ bool moves_apart(const Objective& objective, const std::vector<Pair>& pairs, con
   return any;
 }
 
-Sites pushed(const Objective& objective, const Evaluation& state, const Chosen& crowded,
-             Context* context) {
-  const std::vector<Pair> pairs =
-      pairs_around(objective, state, around(state.diagram(), crowded, kRings));
+Sites pushed(const Objective& objective, const Evaluation& state,
+             const std::vector<double>& spacings, const Chosen& crowded, Context* context) {
+  const std::vector<bool> near = around(state.diagram(), crowded, kRings);
+  const std::vector<Pair> pairs =  // of which at least one site may move
+      pairs_where(state, spacings,
+                  [&](const Pair& pair, const Vec3&) { return near[pair.i] || near[pair.j]; });
   Sites sites = state.sites;
   Vectors normals = state.normals, moves;
   for (int push = 0; push < kPushes; ++push) {
@@ -153,12 +163,13 @@ void push_apart(const Objective& objective, int most, Minimum& found, Context* c
   Evaluation next;
   for (int round = 0; round < kRounds && found.evaluations < most; ++round) {
     check_context(context);
-    Chosen sites = crowded(objective, found.state);
+    const std::vector<double> spacings = spacings_of(objective, found.state);
+    Chosen sites = crowded(objective, found.state, spacings);
     if (static_cast<double>(sites.size()) > few) return;
     std::erase_if(sites, [&](std::size_t k) { return given_up[k]; });
     if (sites.empty()) return;
     const std::vector<Chosen> places = places_of(found.state.diagram(), sites, kRings);
-    update(next, objective, pushed(objective, found.state, sites, context), nullptr);
+    update(next, objective, pushed(objective, found.state, spacings, sites, context), nullptr);
     ++found.evaluations;
     const std::vector<Chosen> costly = unaffordable(objective, found.state, next, places);
     for (const Chosen& place : costly)

@@ -24,8 +24,10 @@ class Reinserter {
       : objective_(objective), state_(state) {}
 
   Reinsertion run() {
-    split();
-    if (empty_.empty() || held_.empty()) return {};
+    find_empty();
+    if (empty_.empty()) return {};
+    find_held();
+    if (held_.empty()) return {};
     const Neighbors tree(held_positions_);
     std::vector<Neighbor> found;
     Reinsertion result;
@@ -43,15 +45,23 @@ class Reinserter {
  private:
   [[nodiscard]] const Moments& cell(std::size_t site) const { return state_.diagram().cells[site]; }
 
-  void split() {
+  [[nodiscard]] bool is_held(std::size_t site, double least) const {
+    return cell(site).capacity > least;
+  }
+
+  void find_empty() {
+    const double least = least_capacity(objective_, 0, state_.sites.size());
+    for (std::size_t k = 0; k < state_.sites.size(); ++k)
+      if (!is_held(k, least) && (objective_.locked.empty() || !objective_.locked[k]))
+        empty_.push_back(k);
+  }
+
+  void find_held() {
     const double least = least_capacity(objective_, 0, state_.sites.size());
     for (std::size_t k = 0; k < state_.sites.size(); ++k) {
-      if (cell(k).capacity > least) {
-        held_.push_back(k);
-        held_positions_.push_back(state_.sites.positions[k]);
-      } else if (objective_.locked.empty() || !objective_.locked[k]) {
-        empty_.push_back(k);
-      }
+      if (!is_held(k, least)) continue;
+      held_.push_back(k);
+      held_positions_.push_back(state_.sites.positions[k]);
     }
   }
 
