@@ -3,10 +3,15 @@
 
 #include <algorithm>
 
+#include "base/prefetch.hpp"
+
 namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kAhead = 96;          // entries that are loaded before they are needed
+constexpr std::size_t kSpare = 2 * kAhead;  // at the end, never used
+constexpr std::size_t kLine = 4;            // entries
 
 /// Sum of the fluxes of a cell's boundaries from the k-th on with the k-th one's neighbor; a cell
 /// can have several of them around a torus or a thin part.
@@ -30,9 +35,9 @@ void CapacityJacobian::update(const RestrictedVoronoi& diagram,
     rows_[i].first = static_cast<std::uint32_t>(entries);
     entries += diagram.rows[i].count;
   }
-  others_.resize(entries);
-  out_.resize(entries);
-  in_.resize(entries);
+  others_.resize(entries + kSpare);
+  out_.resize(entries + kSpare);
+  in_.resize(entries + kSpare);
   parallel_chunks(own_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) put_row(diagram, bases, factor, i);
   });
@@ -87,11 +92,21 @@ void CapacityJacobian::find_columns(const std::vector<TangentBasis>& bases, doub
   });
 }
 
+/// Load what the cells after this one need: the products wait for memory.
+inline void CapacityJacobian::prefetch_after(const std::vector<Tangent>& entries,
+                                             std::size_t cell) const {
+  const std::size_t first = rows_[cell].first;
+  prefetch(&entries[first + kAhead]);
+  prefetch(&entries[first + kAhead + kLine]);
+  prefetch(&others_[first + kSpare - 1]);
+}
+
 void CapacityJacobian::add_product(const TangentVectors& v, std::vector<double>& change,
                                    TangentVectors& result) const {
   change.resize(own_.size());
   parallel_chunks(own_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
+      prefetch_after(in_, i);
       double sum = own_[i].dot(v[site(i)]);
       for (std::size_t k = rows_[i].first; k < rows_[i].end(); ++k)
         sum -= in_[k].dot(v[site(static_cast<std::size_t>(others_[k]))]);
@@ -101,6 +116,7 @@ void CapacityJacobian::add_product(const TangentVectors& v, std::vector<double>&
   for (const Unlisted& pair : unlisted_) change[pair.cell] -= pair.in.dot(v[site(pair.other)]);
   parallel_chunks(own_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
+      prefetch_after(out_, i);
       Tangent sum = change[i] * own_[i];
       for (std::size_t k = rows_[i].first; k < rows_[i].end(); ++k)
         sum += -change[static_cast<std::size_t>(others_[k])] * out_[k];

@@ -59,6 +59,7 @@ class CapacityJacobian {
                double factor, std::size_t cell);
   void find_columns(const std::vector<TangentBasis>& bases, double factor);
   [[nodiscard]] std::size_t entry(std::size_t cell, std::size_t other) const;
+  void prefetch_after(const std::vector<Tangent>& entries, std::size_t cell) const;
 
   std::span<const std::int32_t> members_;
   std::vector<Tangent> own_;          // J_ii
