@@ -26,6 +26,10 @@ done
   fail "$to/extension is in the way: --to needs a folder that only this script writes to"
 [ "$(uname -sm)" = 'Linux x86_64' ] || fail "this machine is $(uname -sm); packages are made for Linux x86_64"
 
+if [ -z "$build" ]; then
+  scripts/setup.sh --dev
+  build=$root/build/release
+fi
 python_tag=$("$python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
 for other in "${others[@]}"; do
   [[ ${other##*/} != *-"$python_tag"-* ]] || fail "${other##*/}: there is another wheel for $python_tag"
@@ -80,10 +84,6 @@ put_in_place() {
   rm -rf "$to/extension" && mkdir -p "$to" && mv "$work/extension" "$work/$zip" "$to"
 }
 
-if [ -z "$build" ]; then
-  scripts/setup.sh --dev
-  build=$root/build/release
-fi
 stage 'stage the Python package' stage_files
 version=$(PYTHONPATH=$work/tree "$python" -B -c 'import dapple3d; print(dapple3d.__version__)')
 zip=dapple-$version-$platform.zip

@@ -3,7 +3,9 @@
 
 import importlib.util
 import os
+import platform
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -213,3 +215,19 @@ def test_the_page_does_what_the_workflow_does(root):
     steps = re.findall(r"- run: ((?:scripts|tests)/.*)", workflow)
     lines = shell_lines(root / "docs" / "releasing.md")
     assert [line for line in lines if line in steps] == steps
+
+
+@pytest.mark.skipif(
+    (platform.system(), platform.machine()) != ("Linux", "x86_64"), reason="packages are made there"
+)
+def test_a_new_checkout_is_set_up_before_it_is_packaged(root, tmp_path):
+    (tmp_path / "scripts").mkdir()
+    for name in ("package.sh", "common.sh", "extension.sh"):
+        shutil.copy(root / "scripts" / name, tmp_path / "scripts")
+    script = tmp_path / "scripts" / "setup.sh"
+    script.write_text("#!/bin/sh\necho set up\nexit 7\n")
+    script.chmod(0o755)
+    found = subprocess.run(
+        [tmp_path / "scripts" / "package.sh"], capture_output=True, text=True, check=False
+    )
+    assert (found.returncode, found.stdout) == (7, "set up\n"), found.stderr
