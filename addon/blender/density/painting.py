@@ -55,6 +55,32 @@ def begin_painting(context: bpy.types.Context, painted: Painted) -> None:
         _activate_group(part, name, weight)
     setattr(scatter.dapple.density, painted.setting, name)
     context.scene.dapple_painted = scatter.name
+    if lacks_brush(tool_name(context), context.tool_settings.weight_paint.brush):
+        _give_brush()
+
+
+def tool_name(context: bpy.types.Context) -> str:
+    """The active tool of Weight Paint mode."""
+    space = context.workspace  # a background Blender may have none
+    tool = space.tools.from_space_view3d_mode("PAINT_WEIGHT") if space else None
+    return tool.idname if tool else ""
+
+
+def lacks_brush(tool: str, brush: bpy.types.Brush | None) -> bool:
+    """Whether a tool needs a brush and has none, as in a Blender without its assets."""
+    return brush is None and tool.startswith("builtin.brush")
+
+
+def _give_brush() -> None:
+    """Choose a brush of the file, a new one if it has none. Blender only activates assets."""
+    if not bpy.ops.brush.asset_activate.poll():
+        return
+    own = (one for one in bpy.data.brushes if one.use_paint_weight and one.library is None)
+    brush = next(own, None) or bpy.data.brushes.new("Paint", mode="WEIGHT_PAINT")
+    brush.asset_mark()
+    bpy.ops.brush.asset_activate(
+        asset_library_type="LOCAL", relative_asset_identifier=f"Brush/{brush.name}"
+    )
 
 
 def _first(parts: list[bpy.types.Object]) -> bpy.types.Object:

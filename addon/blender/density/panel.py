@@ -31,7 +31,7 @@ from .operators import (
     DAPPLE_OT_remove_material,
     DAPPLE_OT_show_density,
 )
-from .painting import painted_group, painted_scatter
+from .painting import lacks_brush, painted_group, painted_scatter, tool_name
 
 SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_outside", "use_camera_view")
 _ENDS = ("_invert", "_strength")  # which are in a row of their own
@@ -40,6 +40,7 @@ _PLAIN = [
     one for one in DENSITY if not {one.name, one.under} & set(SWITCHES) and one not in _AVOIDED
 ]
 _MOST_KNOWN = 64
+_FEW_VERTICES = 100  # a brush of the usual size over a surface may pass between fewer
 _closed: dict[tuple[int, str], bool] = {}  # by the surface's session_uid and its faces
 
 
@@ -219,8 +220,9 @@ def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> boo
     if obj is None:
         return False
     lines_of(layout, *_stroke_note(context, obj))
-    if lacks_brush(_tool_name(context), context.tool_settings.weight_paint.brush):
+    if lacks_brush(tool_name(context), context.tool_settings.weight_paint.brush):
         lines_of(layout, translated("No brush is selected: strokes have no effect"), "ERROR")
+    _draw_few_vertices(layout, context.object)
     _draw_weight(layout, context.tool_settings)
     row = layout.row()
     row.scale_y = 1.5
@@ -245,15 +247,17 @@ def _stroke_note(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str
     return text, "WPAINT_HLT"
 
 
-def _tool_name(context: bpy.types.Context) -> str:
-    space = context.workspace  # a background Blender may have none
-    tool = space.tools.from_space_view3d_mode("PAINT_WEIGHT") if space else None
-    return tool.idname if tool else ""
-
-
-def lacks_brush(tool: str, brush: bpy.types.Brush | None) -> bool:
-    """Whether a tool needs a brush and has none, as in a Blender without its assets."""
-    return brush is None and tool.startswith("builtin.brush")
+def _draw_few_vertices(layout: bpy.types.UILayout, painted: bpy.types.Object) -> None:
+    """Say that most strokes on a mesh such as the default cube's change nothing."""
+    count = len(painted.data.vertices)
+    if count < _FEW_VERTICES:
+        text = translated(
+            "'{name}' has only {count:,} vertices, and strokes change vertices only: subdivide it "
+            "to paint finer",
+            name=painted.name,
+            count=count,
+        )
+        lines_of(layout, text, "INFO")
 
 
 def _draw_weight(layout: bpy.types.UILayout, tools: bpy.types.ToolSettings) -> None:

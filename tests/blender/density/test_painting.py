@@ -385,3 +385,36 @@ def test_it_is_said_where_no_brush_is_chosen(obj, monkeypatch):
     paint("paint_density")
     monkeypatch.setattr(panel, "lacks_brush", lambda *_: True)
     assert "No brush is selected: strokes have no effect" in " ".join(test_panels.drawn())
+
+
+def test_a_blender_without_brushes_gets_one_to_paint_with(obj, monkeypatch):
+    """Debian's comes without them: strokes did nothing, and no menu had a brush to choose."""
+    monkeypatch.setattr(addon_host.part("blender.density.painting"), "lacks_brush", lambda *_: True)
+    for name in OPERATORS:
+        paint(name)
+        brush = bpy.context.tool_settings.weight_paint.brush
+        assert brush is not None
+        assert brush.library is None
+        assert [one for one in bpy.data.brushes if one.library is None] == [brush]
+        paint("finish_painting")
+
+
+def test_brushes_that_are_there_are_not_joined_by_another(obj, monkeypatch):
+    monkeypatch.setattr(
+        addon_host.part("blender.density.painting"), "lacks_brush", lambda *_: False
+    )
+    paint("paint_density")
+    assert not [one for one in bpy.data.brushes if one.library is None]
+
+
+def test_it_is_said_where_strokes_meet_few_vertices():
+    """A stroke over the middle of the default cube did nothing, without a message."""
+    note = "has only 8 vertices, and strokes change vertices only: subdivide it to paint finer"
+    bpy.ops.mesh.primitive_cube_add()
+    scenes.scattered(bpy.context.object)
+    paint("paint_density")
+    assert f"'Cube' {note}" in " ".join(test_panels.drawn())
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=8)
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    assert note not in " ".join(test_panels.drawn())
