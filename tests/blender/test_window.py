@@ -12,24 +12,37 @@ import pytest
 STORIES = ("window.py", "window_live.py", "window_points.py", "window_spray.py", "window_assets.py")
 
 
-@pytest.mark.skipif(not bpy.app.binary_path, reason="bpy as a module of Python has no window")
-@pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no virtual display: xvfb is missing")
+def in_windows(test):
+    """Mark a test that needs a real window."""
+    for missing, reason in (
+        (not bpy.app.binary_path, "bpy as a module of Python has no window"),
+        (not shutil.which("xvfb-run"), "no virtual display: xvfb is missing"),
+    ):
+        test = pytest.mark.skipif(missing, reason=reason)(test)
+    return test
+
+
+@in_windows
 @pytest.mark.parametrize("story", STORIES)
 def test_what_an_artist_does_in_a_window(story, tmp_path):
+    in_a_window(tmp_path, "--enable-event-simulate", "--python", str(child.HERE / story))
+
+
+@in_windows
+def test_a_file_of_the_command_line_is_opened(tmp_path):
+    """Blender crashed, with the add-on enabled, as when a file manager opens a file."""
+    path = tmp_path / "opened.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    in_a_window(tmp_path, "--python", str(child.HERE / "window_opened.py"), str(path))
+
+
+def in_a_window(folder, *options):
+    """Run Blender with these options on a virtual display, until it ends well."""
     screen = ["xvfb-run", "-a", "-s", "-screen 0 1280x1300x24 +extension GLX"]
-    options = (
-        "--window-geometry",
-        "0",
-        "0",
-        "1280",
-        "1300",
-        "--gpu-backend",
-        "opengl",
-        "--enable-event-simulate",
-    )
+    geometry = ("--window-geometry", "0", "0", "1280", "1300", "--gpu-backend", "opengl")
     done = subprocess.run(
-        [*screen, *child.blender(*options), "--python", str(child.HERE / story)],
-        env={**os.environ, "LIBGL_ALWAYS_SOFTWARE": "1", "BLENDER_USER_RESOURCES": str(tmp_path)},
+        [*screen, *child.blender(*geometry), *options],
+        env={**os.environ, "LIBGL_ALWAYS_SOFTWARE": "1", "BLENDER_USER_RESOURCES": str(folder)},
         capture_output=True,
         text=True,
         timeout=300,

@@ -96,6 +96,7 @@ class _State:
     work: Work | None = None
     stepping: bool = False  # whether current changes come from the work itself
     frame_changed: float = 0.0  # time of the artist's last frame change, monotonic
+    status: str = ""  # text in the status bars
     # Messages about finished work, by session_uid.
     notes: dict[int, Messages] = field(default_factory=dict)
 
@@ -240,6 +241,12 @@ def _show(work: Work) -> None:
 
 
 def _write_status(text: str) -> None:
+    """Write into the status bars what is not there yet. While Blender opens the file of its command
+    line, no window is active, and writing crashes it.
+    """
+    if text == _state.status:
+        return
+    _state.status = text
     for window in bpy.context.window_manager.windows:
         window.workspace.status_text_set(text or None)
 

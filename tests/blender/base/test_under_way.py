@@ -316,3 +316,13 @@ def test_scripts_and_background_mode_are_served_at_once(obj):
     assert addon_host.part("blender.base.jobs").at_once
     assert bpy.ops.dapple.bake("INVOKE_DEFAULT") == {"FINISHED"}
     assert obj.dapple.baked_keys == 6
+
+
+def test_the_status_bar_is_left_alone_if_nothing_is_in_it(monkeypatch):
+    """Blender crashed when it was written while the file of the command line was opened."""
+    written = []
+    monkeypatch.setattr(
+        bpy.types.WorkSpace, "status_text_set", lambda _, text: written.append(text)
+    )
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    assert not written
