@@ -42,6 +42,7 @@ def test_the_script_runs(capsys):
     obj = bpy.context.object
     assert obj.dapple.baked_keys == 2
     assert obj.dapple.report.count == 60
+    assert [round(one.weight, 2) for one in obj.dapple.object_types] == [1.0, 0.05]
 
 
 def test_the_script_for_assets_runs(tmp_path, monkeypatch):

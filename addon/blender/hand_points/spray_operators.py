@@ -33,6 +33,8 @@ _HIDDEN = {"SKIP_SAVE", "HIDDEN"}
 
 
 class DAPPLE_PG_dab(bpy.types.PropertyGroup):
+    __slots__ = ()  # a misspelled name is an error
+
     location: FloatVectorProperty(
         name="Location",
         description="Position in world space; the nearest position on the surface is used",

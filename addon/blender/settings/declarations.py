@@ -33,6 +33,8 @@ def _is_surface(settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> boo
 class DAPPLE_PG_material(bpy.types.PropertyGroup):
     """A material of the surface; `name` is shown if the material was deleted."""
 
+    __slots__ = ()  # a misspelled name is an error
+
     material: PointerProperty(
         name="Material",
         description="Material of the surface",

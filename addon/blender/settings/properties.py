@@ -35,6 +35,8 @@ _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
 class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     """Settings of a scatter object."""
 
+    __slots__ = ()  # a misspelled name is an error
+
     auto_update: BoolProperty(
         name="Auto Update",
         description="Solve again after each change of a setting, the surface or avoided "

@@ -27,6 +27,8 @@ _SHARE: dict[str, Any] = {"min": 0.0, "soft_max": 1.0, "subtype": "FACTOR"}
 class DAPPLE_PG_report(bpy.types.PropertyGroup):
     """Figures of the last optimization or bake."""
 
+    __slots__ = ()  # a misspelled name is an error
+
     count: IntProperty(name="Points", description="Number of points", min=0, soft_max=100_000)
     spacing: FloatProperty(
         name="Spacing",
@@ -142,6 +144,8 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
 class DAPPLE_PG_density(bpy.types.PropertyGroup):
     """Terms of the density, which are multiplied."""
 
+    __slots__ = ()  # a misspelled name is an error
+
     shown_term: EnumProperty(
         name="Show",
         description="Term of the density that Show Density displays",
@@ -155,6 +159,8 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
 class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
     """Settings of the tiles that are made from the cells of a scatter."""
 
+    __slots__ = ()  # a misspelled name is an error
+
     object: PointerProperty(
         name="Tiles",
         description="Object that holds the tiles",
@@ -164,6 +170,8 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
 
 class DAPPLE_PG_weight(bpy.types.PropertyGroup):
     """How often an object of a collection, or a collection in it, is instanced."""
+
+    __slots__ = ()  # a misspelled name is an error
 
     object: PointerProperty(
         name="Object",
@@ -190,6 +198,8 @@ class DAPPLE_PG_weight(bpy.types.PropertyGroup):
 class DAPPLE_PG_object_type(bpy.types.PropertyGroup):
     """An object type; the list shows its `name`."""
 
+    __slots__ = ()  # a misspelled name is an error
+
     weights: CollectionProperty(
         name="Weights",
         description="How often each object of the collection is picked",
@@ -199,6 +209,8 @@ class DAPPLE_PG_object_type(bpy.types.PropertyGroup):
 
 class DAPPLE_PG_part(bpy.types.PropertyGroup):
     """An object that is a part of a joined surface, or one that instances some parts."""
+
+    __slots__ = ()  # a misspelled name is an error
 
     object: PointerProperty(
         name="Part", description="Object of the scene that is the part", type=bpy.types.Object
@@ -222,6 +234,8 @@ class DAPPLE_PG_parts(bpy.types.PropertyGroup):
     replaces them by the copies; the surface itself is in no collection and is never copied.
     """
 
+    __slots__ = ()  # a misspelled name is an error
+
     surface: PointerProperty(
         name="Surface", description="Surface that the parts belong to", type=bpy.types.Object
     )
@@ -232,6 +246,8 @@ class DAPPLE_PG_parts(bpy.types.PropertyGroup):
 
 class DAPPLE_PG_joined(bpy.types.PropertyGroup):
     """The parts of a joined surface; empty for other objects."""
+
+    __slots__ = ()  # a misspelled name is an error
 
     entries: CollectionProperty(
         name="Parts", description="Objects that are one surface", type=DAPPLE_PG_part

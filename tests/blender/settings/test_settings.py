@@ -5,6 +5,7 @@ import addon_host
 import bpy
 import child
 import pytest
+import scenes
 
 WITH_AN_OPTION_MORE = """
 import tempfile, types
@@ -79,3 +80,18 @@ def test_every_property_of_a_setting_stays_still():
     for settings, shown in groups():
         for setting in settings:
             assert shown[setting.name].type == "POINTER" or not shown[setting.name].is_animatable
+
+
+def test_a_name_that_no_setting_has_is_an_error():
+    """A misspelled name was set without a word, and nothing happened."""
+    settings = scenes.scattered(scenes.sphere()).dapple
+    for group in (settings, settings.density, settings.object_types.add()):
+        with pytest.raises(AttributeError, match="cuont"):
+            group.cuont = 5
+    groups = [
+        one
+        for one in addon_host.part("blender.settings.properties").CLASSES
+        if issubclass(one, bpy.types.PropertyGroup)
+    ]
+    assert len(groups) > 5
+    assert all("__dict__" not in dir(one) for one in groups)
