@@ -119,7 +119,8 @@ def progress(obj: bpy.types.Object) -> float | None:
     update = _state.update
     if update is not None and update.scatter.uid == obj.session_uid:
         return update.job.progress
-    return 0.0 if obj.session_uid in _state.schedule else None
+    is_next = obj.session_uid in _state.schedule and (is_requested(obj) or follows(obj))
+    return 0.0 if is_next else None
 
 
 def trouble(obj: bpy.types.Object) -> str:

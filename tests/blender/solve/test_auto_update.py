@@ -491,3 +491,14 @@ def test_an_undo_of_something_else_keeps_what_was_updated(live, obj):
     obj = bpy.data.objects[name]
     assert obj.dapple.count == len(scenes.positions(obj)) == 90
     assert reason(obj) == ""
+
+
+def test_no_update_is_announced_where_none_will_come(live, obj):
+    """The bar stood at 0 % over a character that takes too long for Auto Update, until the mouse
+    was moved over the sidebar.
+    """
+    obj.dapple.auto_update_mode = "OFF"
+    obj.dapple.seed = 1
+    assert live.watcher.progress(obj) is None
+    live.watcher.request(obj)
+    assert live.watcher.progress(obj) == 0.0
