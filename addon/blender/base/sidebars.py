@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sidebars with the add-on's panels: wrapped texts, redrawing, whether an object is shown."""
 
+import re
 from collections.abc import Iterator
 
 import blf
@@ -47,6 +48,7 @@ def _preferences(window: bpy.types.Window) -> Iterator[bpy.types.Region]:
 _FONT, _SIZE = 0, 11  # font of the interface and its size in points
 _MARGIN, _ICON = 56.0, 25.0  # pixels of the sidebar beside a label, and of its icon
 BUTTON = 28.0  # pixels of an icon button with the gap before it
+_WORD = re.compile(r"\S+(?: %\S*)?")  # a percentage is one
 _LEAST, _WITHOUT_REGION = 140.0, 250.0  # pixels of a line: smallest, and if there is no region
 
 
@@ -71,7 +73,7 @@ def line_width(icon: str) -> float:
 def wrapped(text: str, width: float) -> list[str]:
     """The lines of a text; only a single word can be wider than this width in pixels."""
     lines: list[str] = []
-    for word in text.split():
+    for word in _WORD.findall(text):
         longer = f"{lines[-1]} {word}" if lines else word
         if lines and width_of(longer) <= width:
             lines[-1] = longer

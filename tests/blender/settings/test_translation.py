@@ -192,6 +192,7 @@ def test_a_long_text_has_lines_that_fit():
     assert len(lines) > 1
     assert max(map(labels.width_of, lines)) <= 120.0
     assert labels.wrapped("Unbreakable words", 1.0) == ["Unbreakable", "words"]
+    assert labels.wrapped("Because 32 %, of all", 1.0) == ["Because", "32 %,", "of", "all"]
 
 
 def test_the_panel_is_german(german):
