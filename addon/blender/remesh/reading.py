@@ -3,6 +3,7 @@
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.remesh import OldMesh
 from ...core.surface.arrays import Floats, Ints
@@ -11,6 +12,7 @@ from ..base.mesh_arrays import corner_vertices, read_points, to_world, triangle_
 # Attributes of marked edges.
 _WEIGHTS = ("crease_edge", "bevel_weight_edge")
 _SAME = 1e-5  # texture coordinates that differ by less are the same
+_ALIKE = 0.996  # cosine of two normals between which no hard edge is seen: 5 degrees
 
 
 def read_old(obj: bpy.types.Object) -> OldMesh:
@@ -113,3 +115,52 @@ def _corner_values(mesh: bpy.types.Mesh) -> list[Floats]:
     mesh.polygons.foreach_get("loop_total", totals)
     found.append(np.repeat(materials, totals)[:, None].astype(np.float64))
     return found
+
+
+def hard_edges(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
+    """Per edge (e,) between smooth faces, whether they are shaded apart: at a sharp edge, by custom
+    normals, or because files of other programs repeat the vertices there.
+    """
+    edges = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("edge_index", edges)
+    normals, ends = _normals_along(mesh)
+    _, group = np.unique(
+        ends.min(axis=1) * len(mesh.vertices) + ends.max(axis=1), return_inverse=True
+    )
+    order = np.argsort(group, kind="stable")
+    first, second = order[:-1], order[1:]
+    apart = (normals[first] * normals[second]).sum(axis=2).max(axis=1) < _ALIKE
+    smooth = _smooth_corners(mesh)
+    apart &= (group[first] == group[second]) & smooth[first] & smooth[second]
+    hard = np.zeros(len(mesh.loops), bool)
+    hard[group[first[apart]]] = True
+    found = np.zeros(len(mesh.edges), bool)
+    found[edges] = hard[group]
+    return found
+
+
+def _normals_along(mesh: bpy.types.Mesh) -> tuple[Floats, NDArray[np.int64]]:
+    """The normals (c, 2, 3) at both ends of the edge after each corner, and the places (c, 2) of
+    the ends, the smaller number first.
+    """
+    nexts, places = _next_corners(mesh), _places_of_vertices(mesh)[corner_vertices(mesh)]
+    normals = np.empty(3 * len(mesh.loops), np.float32)
+    mesh.corner_normals.foreach_get("vector", normals)
+    found = np.stack([np.arange(len(nexts)), nexts], axis=1)
+    turned = places > places[nexts]
+    found[turned] = found[turned, ::-1]
+    return normals.reshape(-1, 3).astype(np.float64)[found], places[found]
+
+
+def _places_of_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
+    """Per vertex (v,) a number that those at the same place share."""
+    _, found = np.unique(read_points(mesh), axis=0, return_inverse=True)
+    return found.ravel().astype(np.int64)
+
+
+def _smooth_corners(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
+    """Per corner, whether its polygon is shaded smooth."""
+    smooth, totals = np.empty(len(mesh.polygons), bool), np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("use_smooth", smooth)
+    mesh.polygons.foreach_get("loop_total", totals)
+    return np.repeat(smooth, totals)

@@ -12,7 +12,7 @@ from ...core.remesh import NewMesh
 from ...core.surface.arrays import Floats, Ints
 from ..base.all_or_nothing import once_done
 from ..base.mesh_arrays import corner_vertices, read_points, triangle_corners
-from .reading import edge_vertices, triangle_polygons
+from .reading import edge_vertices, hard_edges, triangle_polygons
 
 # Field, number type and width of the values of an attribute.
 _KINDS: dict[str, tuple[str, type, int]] = {
@@ -126,6 +126,9 @@ def _carry_over(old: bpy.types.Mesh, made: bpy.types.Mesh, new: NewMesh) -> None
     materials = np.empty(len(old.polygons), np.int32)
     old.polygons.foreach_get("material_index", materials)
     made.polygons.foreach_set("material_index", materials[polygons[new.face_source]])
+    smooth = np.empty(len(old.polygons), bool)  # no attribute has it where all are smooth
+    old.polygons.foreach_get("use_smooth", smooth)
+    made.polygons.foreach_set("use_smooth", smooth[polygons[new.face_source]])
     edges = _old_edge_of_each(old, made, new)
     seams = np.empty(len(old.edges), bool)
     old.edges.foreach_get("use_seam", seams)
@@ -149,7 +152,19 @@ def _carry_over(old: bpy.types.Mesh, made: bpy.types.Mesh, new: NewMesh) -> None
         else:
             result = np.where((edges >= 0)[:, None], values[np.maximum(edges, 0)], 0)
         _write(target, result)
+    _keep_hard(old, made, edges)
     made.update()
+
+
+def _keep_hard(old: bpy.types.Mesh, made: bpy.types.Mesh, edges: Ints) -> None:
+    """Mark as sharp what was shaded so without a mark: vertices are no longer repeated there, and
+    custom normals are lost.
+    """
+    marked = np.empty(len(made.edges), bool)
+    made.edges.foreach_get("use_edge_sharp", marked)
+    marked |= (edges >= 0) & hard_edges(old)[np.maximum(edges, 0)]
+    if marked.any():
+        made.edges.foreach_set("use_edge_sharp", marked)
 
 
 def _at_corners(values: NDArray[Any], corners: Ints, new: NewMesh, mixed: bool) -> NDArray[Any]:
@@ -166,11 +181,28 @@ def _old_edge_of_each(old: bpy.types.Mesh, made: bpy.types.Mesh, new: NewMesh) -
     size = max(len(old.vertices), len(made.vertices)) + 1
     old_ends, ends = np.sort(edge_vertices(old), axis=1), np.sort(edge_vertices(made), axis=1)
     by_old = {int(a) * size + int(b): k for k, (a, b) in enumerate(old_ends)}
-    on_line = {
-        int(a) * size + int(b): by_old.get(int(c) * size + int(d), -1)
-        for (a, b), (c, d) in zip(new.lines, new.line_source, strict=True)
-    }
+    there = [by_old.get(int(c) * size + int(d), -1) for c, d in new.line_source]
+    there = _from_neighbors(np.array(there, np.int32), new.lines, read_points(made)).tolist()
+    on_line = {int(a) * size + int(b): k for (a, b), k in zip(new.lines, there, strict=True)}
     return np.array([on_line.get(int(a) * size + int(b), -1) for a, b in ends], np.int32)
+
+
+def _from_neighbors(found: Ints, lines: Ints, places: Floats) -> Ints:
+    """Old edges (k,) of new lines, where none was found those of the neighbor that goes on most
+    straight: a line that cuts a corner of the old mesh lies within a face.
+    """
+    ways = places[lines[:, 1]] - places[lines[:, 0]]
+    ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-30)
+    at: dict[int, list[int]] = {}
+    for k, (a, b) in enumerate(lines.tolist()):
+        at.setdefault(a, []).append(k)
+        at.setdefault(b, []).append(k)
+    filled = found.copy()
+    for k in np.nonzero(found < 0)[0].tolist():
+        near = [one for end in lines[k].tolist() for one in at[end] if found[one] >= 0]
+        if near:
+            filled[k] = found[near[np.abs(ways[near] @ ways[k]).argmax()]]
+    return filled
 
 
 def _read(attribute: bpy.types.Attribute) -> NDArray[Any]:

@@ -3,6 +3,7 @@
 
 import math
 
+import bmesh
 import bpy
 import dapple3d as dapple
 import numpy as np
@@ -235,3 +236,80 @@ def test_undo_brings_the_old_mesh_back():
     bpy.ops.ed.undo_push(message="remesh")
     bpy.ops.ed.undo()
     assert len(bpy.context.object.data.vertices) == 8
+
+
+def corner_normals(mesh):
+    found = np.empty(3 * len(mesh.loops), np.float32)
+    mesh.corner_normals.foreach_get("vector", found)
+    return found.reshape(-1, 3)
+
+
+def split(mesh, edges):
+    """Repeat the vertices along edges, as files of other programs do."""
+    work = bmesh.new()
+    work.from_mesh(mesh)
+    work.edges.ensure_lookup_table()
+    bmesh.ops.split_edges(work, edges=[work.edges[k] for k in edges])
+    work.to_mesh(mesh)
+    work.free()
+
+
+def test_hard_edges_of_an_imported_mesh_stay_hard():
+    """Its vertices are repeated along them: a house of a game looked like a wet cushion."""
+    obj = cube()
+    obj.data.polygons.foreach_set("use_smooth", [True] * 6)
+    split(obj.data, range(12))
+    assert len(obj.data.vertices) == 24
+    mesh = remeshed(obj, count=300)
+    assert np.abs(corner_normals(mesh)).max(axis=1).min() > 0.999
+    assert 12 <= sum(edge.use_edge_sharp for edge in mesh.edges) < len(mesh.edges) / 2
+
+
+def test_a_sharp_rim_is_sharp_all_around():
+    """It had a gap wherever a new edge cuts a corner of the old rim."""
+    bpy.ops.mesh.primitive_cylinder_add(vertices=16)
+    mesh = bpy.context.object.data
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    for edge in mesh.edges:
+        low, high = (mesh.vertices[k].co.z for k in edge.vertices)
+        edge.use_edge_sharp = low == high
+    mesh = remeshed(bpy.context.object, count=400)
+    heights = np.abs(positions(mesh)[:, 2])
+    rims = [e for e in mesh.edges if e.use_edge_sharp]
+    assert heights[[k for e in rims for k in e.vertices]].min() > 0.99
+    used = np.bincount([k for e in rims for k in e.vertices])
+    assert set(used[used > 0]) == {2}
+
+
+def test_a_smooth_seam_of_an_imported_mesh_stays_smooth():
+    """Textures end there, but normals are the same on both sides."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12)
+    mesh = bpy.context.object.data
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    around = [
+        one.index
+        for one in mesh.edges
+        if all(abs(mesh.vertices[k].co.z) < 1e-5 for k in one.vertices)
+    ]
+    normals = corner_normals(mesh).copy()
+    split(mesh, around)
+    mesh.normals_split_custom_set(normals.tolist())
+    mesh = remeshed(bpy.context.object, count=300)
+    assert not any(edge.use_edge_sharp for edge in mesh.edges)
+
+
+def test_a_body_that_is_smooth_all_over_stays_smooth():
+    """It became flat: Blender stores nothing about faces where all of them are smooth."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12)
+    mesh = bpy.context.object.data
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    split(mesh, [])
+    assert "sharp_face" not in mesh.attributes
+    mesh = remeshed(bpy.context.object, count=300)
+    assert all(one.use_smooth for one in mesh.polygons)
+
+
+def test_faces_that_are_flat_get_no_marks():
+    mesh = remeshed(cube(), count=300)
+    assert not any(one.use_smooth for one in mesh.polygons)
+    assert not any(edge.use_edge_sharp for edge in mesh.edges)
