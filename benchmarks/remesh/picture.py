@@ -2,11 +2,15 @@
 """Meshes before and after remeshing, side by side, rendered by Blender: docs/images/remesh.webp.
 
 build/venv/bin/python benchmarks/remesh/picture.py OUT.webp fandisk.ply 1500 30 bunny.ply 3000 0
+
+With `--adaptive fandisk.ply 800 30 bunny.ply 1500 0` after OUT.webp, an even remesh and an adaptive
+one: docs/images/remesh_adaptive.webp.
 """
 
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import bpy
 import dapple3d as dapple
@@ -92,10 +96,15 @@ def main(out: str, *meshes: str) -> None:
         meshes: a file, a number of vertices and the angle of a turn, once for each mesh.
     """
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    adaptive = meshes[0] == "--adaptive"
+    meshes = meshes[adaptive:]
     for k in range(0, len(meshes), 3):
         path, count, yaw = Path(meshes[k]), int(meshes[k + 1]), math.radians(float(meshes[k + 2]))
-        old = dapple.read_mesh(path)
-        new = dapple.remesh(dapple.Surface(old.vertices, old.faces), count)
+        old: Any = dapple.read_mesh(path)
+        surface = dapple.Surface(old.vertices, old.faces)
+        new = dapple.remesh(surface, count, adaptive=adaptive)
+        if adaptive:
+            old = dapple.remesh(surface, count)
         # One scale for both.
         both = upright(np.concatenate([old.vertices, new.vertices]), yaw)
         first = len(old.vertices)

@@ -50,7 +50,8 @@ class CellPieces {
   }
 
  private:
-  void add(const Surface& surface, const FeatureLines& lines, const CellPolygon& polygon);
+  void place(const Surface& surface, const FeatureLines& lines, const CellPolygon& polygon,
+             std::size_t piece);
   void index_faces(const Surface& surface);
 
   std::vector<Vec3> from_;

@@ -46,7 +46,8 @@ double across(const Vec3& a, const Vec3& b, const Vec3& c, double from_a, double
   const double sy = std::sqrt(square);
   if (sy + y == 0.0) return kFar;
   const double crossing = sx + (x - sx) * sy / (sy + y);
-  return crossing >= 0.0 && crossing <= length ? std::hypot(x - sx, y + sy) : kFar;
+  if (crossing < 0.0 || crossing > length) return kFar;
+  return std::sqrt((x - sx) * (x - sx) + (y + sy) * (y + sy));
 }
 
 }  // namespace

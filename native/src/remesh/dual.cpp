@@ -342,10 +342,18 @@ void add_triangles(std::span<const std::int32_t> polygon, std::span<const Vec3> 
 
 namespace {
 
+/// Free the memory of many polygons, which takes as long as to make them.
+void release(std::vector<CellPolygon>& polygons) {
+  parallel_chunks(polygons.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) polygons[p] = {};
+  });
+}
+
 Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sites,
-             std::span<const SiteKind> kinds, std::span<const CellPolygon> polygons, bool near,
+             std::span<const SiteKind> kinds, std::vector<CellPolygon> polygons, bool near,
              Context* context) {
   const CellPieces pieces(surface, lines, polygons, sites.size());
+  release(polygons);
   std::vector<CellSides> of_cells(sites.size());
   parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     check_context(context);

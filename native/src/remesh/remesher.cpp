@@ -251,6 +251,7 @@ bool Remesher::add_sites(bool dense, Context* context, const std::function<void(
   const std::size_t most = kMostTimes * count_ + kMostMore;
   for (int k = 0; k < kMendings && since < kPatience && sites_.size() < most; ++k) {
     check_context(context);
+    if (context) context->advance(k / (k + kHalfWay));
     look(nullptr);
     looked();
     since = dual_.violations.size() < least ? 0 : since + 1;

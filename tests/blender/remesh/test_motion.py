@@ -206,8 +206,8 @@ def test_a_canceled_bake_changes_nothing():
 
 
 PRESSED = {
-    **{"count": 200, "feature_angle": 0.5, "max_distance": 0.0, "animation": "SHAPE_KEYS"},
-    **{"frame_start": 1, "frame_end": 6},
+    **{"count": 200, "feature_angle": 0.5, "max_distance": 0.0, "adaptive": False},
+    **{"animation": "SHAPE_KEYS", "frame_start": 1, "frame_end": 6},
 }
 
 
