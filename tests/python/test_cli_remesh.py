@@ -88,3 +88,9 @@ def test_tells_how_near_it_is_and_what_that_needs(tmp_path, torus, surface):
     assert f"; the distance needs {len(made) - 60} more than asked for" in said
     assert f"; at most {made.report.distance:.3g} from the surface" in said
     assert "from the surface" not in done(torus, tmp_path / "e.ply", "-n", 60).stdout
+
+
+def test_tells_how_near_an_adaptive_mesh_is(tmp_path, torus, surface):
+    said = done(torus, tmp_path / "e.ply", "-n", 60, "--adaptive").stdout
+    made = dapple.remesh(surface, 60, adaptive=True)
+    assert f"; at most {made.report.distance:.3g} from the surface" in said
