@@ -11,6 +11,7 @@ from .base.errors import ScatterError
 from .base.native import named, package
 from .surface.arrays import Floats, Ints, normals_of
 
+_LEAST_DENSITY = 0.01  # of the largest: at ten times its spacing the surface is still covered
 _INWARD = 1e-3  # of the way from a corner on a line to the middle of its triangle
 _ALIKE = 0.05  # difference of the cosines of two faces that are turned alike
 _BESIDE = 0.5  # of that way: how far above or below its triangle a place is asked for, too
@@ -27,6 +28,7 @@ class OldMesh:
     vertices: Floats  # (v, 3) in world space
     faces: Ints  # (t, 3) the triangles that its polygons are cut into
     lines: Ints  # (k, 2) edges that stay: seams, borders of materials, marked ones
+    density: Floats | None = None  # (t, 3) of the triangles' corners; None: the same everywhere
 
 
 @dataclass(frozen=True)
@@ -74,9 +76,19 @@ def remeshed(old: OldMesh, count: int, options: Options, context: Any) -> NewMes
     if len(old.faces) == 0:
         raise ScatterError(f"'{old.name}' has no faces: a new mesh needs a surface")
     with named(old.name):
-        surface = package().Surface(old.vertices, old.faces)
+        surface = _with_density(package().Surface(old.vertices, old.faces), old)
         made = package().remesh(surface, count, edges=old.lines, context=context, **options)
         return _with_sources(surface, old, made, options["max_distance"])
+
+
+def _with_density(surface: Any, old: OldMesh) -> Any:
+    if old.density is None:
+        return surface
+    most = old.density.max()
+    if most == 0.0:
+        raise ScatterError(f"'{old.name}': the density is 0 everywhere")
+    density = np.maximum(old.density, _LEAST_DENSITY * most)
+    return surface.with_density(density, density_at="corners")
 
 
 def _with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) -> NewMesh:

@@ -82,7 +82,7 @@ def remeshed(obj: bpy.types.Object, share: float, max_distance: float) -> Part:
     count = max(4, round(0.5 * share * len(triangle_corners(obj.data))))
     begin = time.perf_counter()
     options = {"feature_angle": FEATURE_ANGLE, "max_distance": max_distance}
-    report = run_now(remesh_steps(new, count, options)).report
+    report = run_now(remesh_steps(new, count, "", options)).report
     return Part(obj, new, share, report.dropped_lines, time.perf_counter() - begin)
 
 

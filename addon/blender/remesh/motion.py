@@ -41,6 +41,7 @@ def motion_steps(
     context: bpy.types.Context,
     obj: bpy.types.Object,
     count: int,
+    density: str,
     options: Options,
     frames: tuple[int, int],
 ) -> Steps:
@@ -52,7 +53,7 @@ def motion_steps(
     if last < first:
         raise ScatterError(f"The frame range is empty: {first} to {last}")
     with frame_kept(context.scene):
-        old, start = read_first(handle, first)
+        old, start = read_first(handle, first, density)
         new = yield Task(lambda worker: remeshed(old, count, options, worker), 0.0, _REMESHING)
         begun = partial(MovingMesh.begun, old.name, first, new)
         bake = _Bake(handle, mesh, start, (yield Task(begun, _REMESHING, _REMESHING)))
@@ -76,7 +77,7 @@ def _follow(bake: _Bake, first: int, last: int) -> Any:
 def _write(bake: _Bake) -> None:
     """The new mesh with the data of the shown one, and its keys."""
     obj, moving = bake.handle.get(), bake.moving
-    _, now = read_first(bake.handle, moving.first)
+    _, now = read_first(bake.handle, moving.first, "")
     same = now.has_faces_of(bake.start) and np.array_equal(now.vertices, bake.start.vertices)
     if not same or obj.data.session_uid != bake.mesh or obj.mode != "OBJECT":
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")

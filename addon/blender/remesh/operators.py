@@ -18,6 +18,7 @@ from ..base.translation import translated, translated_report
 from ..scatter.linked_data import read_only
 from ..scatter.object import is_scatter
 from ..surface.polls import free
+from ..surface.values import weight_names
 from .motion import motion_steps
 from .reading import read_old
 from .writing import replace_mesh, write_new
@@ -30,6 +31,11 @@ _FRAME = {  # of the scene
     "soft_max": 10_000,
     "subtype": "TIME",
 }
+
+
+def _density_names(_operator: Any, context: bpy.types.Context, text: str) -> list[str]:
+    names = weight_names(context.object) if context.object is not None else []
+    return [name for name in names if text.lower() in name.lower()]
 
 
 class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
@@ -77,6 +83,15 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         " as on small round parts: about half of the largest distance with as many vertices. It"
         " takes about five times as long",
         default=False,
+    )
+
+    density: bpy.props.StringProperty(
+        name="Density",
+        description="Attribute or vertex group: where it is twice as large, there are twice as many"
+        " vertices in an area, and where it is 0, a hundredth of the largest number. Empty: as"
+        " many everywhere",
+        search=_density_names,
+        search_options={"SUGGESTION"},
     )
 
     animation: bpy.props.EnumProperty(
@@ -143,7 +158,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in ("count", "feature_angle", "max_distance", "adaptive", "animation"):
+        for name in ("count", "feature_angle", "density", "adaptive", "max_distance", "animation"):
             layout.prop(self, name)
         if self.animation == "SHAPE_KEYS":
             column = layout.column(align=True)
@@ -170,8 +185,8 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         }
         if self.animation == "SHAPE_KEYS":
             frames = self._frames(context)
-            return motion_steps(context, context.object, self.count, options, frames)
-        return remesh_steps(context.object, self.count, options)
+            return motion_steps(context, context.object, self.count, self.density, options, frames)
+        return remesh_steps(context.object, self.count, self.density, options)
 
     def watched(self, context: bpy.types.Context) -> dict[int, str]:
         return {one.session_uid: one.name for one in (context.object, context.object.data)}
@@ -248,10 +263,10 @@ def _more_vertices(new: NewMesh) -> Messages:
     return found
 
 
-def remesh_steps(obj: bpy.types.Object, count: int, options: Options) -> Steps:
+def remesh_steps(obj: bpy.types.Object, count: int, density: str, options: Options) -> Steps:
     """Replace an object's mesh; returns the NewMesh."""
     handle, mesh = ObjectHandle(obj), obj.data.session_uid
-    old = read_old(obj)
+    old = read_old(obj, density)
     new: NewMesh = yield Task(lambda worker: remeshed(old, count, options, worker))
     obj = handle.get()
     if obj.data.session_uid != mesh or obj.mode != "OBJECT":

@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from ...core.remesh import OldMesh
 from ...core.surface.arrays import Floats, Ints
+from ...core.surface.mesh_snapshot import RawValues
 from ..base.mesh_arrays import corner_vertices, read_points, to_world, triangle_corners
+from ..surface.values import raw_values
 
 # Attributes of marked edges.
 _WEIGHTS = ("crease_edge", "bevel_weight_edge")
@@ -15,8 +17,16 @@ _SAME = 1e-5  # texture coordinates that differ by less are the same
 _ALIKE = 0.996  # cosine of two normals between which no hard edge is seen: 5 degrees
 
 
-def read_old(obj: bpy.types.Object) -> OldMesh:
-    """The object's own mesh, without modifiers, in world space."""
+def read_old(obj: bpy.types.Object, density: str) -> OldMesh:
+    """The object's own mesh, without modifiers, in world space.
+
+    Args:
+        obj: a mesh object.
+        density: name of an attribute or a vertex group; empty for none.
+
+    Raises:
+        ScatterError: there is none of this name, or it cannot be a density.
+    """
     mesh = obj.data
     corners, vertices = triangle_corners(mesh), corner_vertices(mesh)
     faces = vertices[corners] if len(vertices) else np.empty((0, 3), np.int32)
@@ -25,7 +35,29 @@ def read_old(obj: bpy.types.Object) -> OldMesh:
         vertices=to_world(obj, read_points(mesh)),
         faces=faces,
         lines=lines_of(mesh),
+        density=at_corners(mesh, _own_values(obj, density), obj.name) if density else None,
     )
+
+
+def _own_values(obj: bpy.types.Object, name: str) -> RawValues:
+    """An attribute, or the weights of a vertex group."""
+    raw = raw_values(obj, obj.data, name)
+    if raw is not None:
+        return raw
+    index, weights = obj.vertex_groups[name].index, np.zeros(len(obj.data.vertices))
+    for v, vertex in enumerate(obj.data.vertices):
+        weights[v] = next((one.weight for one in vertex.groups if one.group == index), 0.0)
+    return RawValues(name, "POINT", weights)
+
+
+def at_corners(mesh: bpy.types.Mesh, raw: RawValues, name: str) -> Floats:
+    """Values (t, 3) at the corners of the triangles of the mesh of an object with this name."""
+    values, corners = raw.numbers(name), triangle_corners(mesh)
+    if raw.domain == "CORNER":
+        return values[corners]
+    if raw.domain == "FACE":
+        return np.repeat(values[triangle_polygons(mesh)][:, None], 3, axis=1)
+    return values[corner_vertices(mesh)[corners]]
 
 
 def triangle_polygons(mesh: bpy.types.Mesh) -> Ints:

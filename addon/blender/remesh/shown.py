@@ -22,7 +22,8 @@ from ..base.mesh_arrays import (
 from ..base.object_handles import ObjectHandle
 from ..base.times import show_time
 from ..surface.mesh import evaluated_mesh
-from .reading import lines_of
+from ..surface.values import read_weights
+from .reading import at_corners, lines_of
 
 
 @dataclass(frozen=True)
@@ -57,14 +58,15 @@ def shown_copy(obj: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
         bpy.data.meshes.remove(mesh)
 
 
-def read_first(handle: ObjectHandle, frame: int) -> tuple[OldMesh, Shown]:
-    """What is remeshed: the object as it is shown on a frame."""
+def read_first(handle: ObjectHandle, frame: int, density: str) -> tuple[OldMesh, Shown]:
+    """What is remeshed: the object as it is shown on a frame, with the density as in read_old()."""
     show_time(bpy.context.scene, frame)
     obj = handle.get()
     with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
         shown = _shown(obj, mesh)
         faces = shown.corners[triangle_corners(mesh)] if len(mesh.polygons) else _NO_FACES
-        return OldMesh(obj.name, shown.vertices, faces, lines_of(mesh)), shown
+        values = at_corners(mesh, read_weights(obj, mesh, density), obj.name) if density else None
+        return OldMesh(obj.name, shown.vertices, faces, lines_of(mesh), values), shown
 
 
 def read_next(handle: ObjectHandle, frame: int, first: Shown, first_frame: int) -> Shown:

@@ -192,7 +192,7 @@ def test_a_canceled_bake_changes_nothing():
     bpy.context.scene.frame_set(4)
     options = {"feature_angle": 30.0, "max_distance": 0.0}
     work = addon_host.part("blender.remesh.motion").motion_steps(
-        bpy.context, obj, 200, options, (1, 6)
+        bpy.context, obj, 200, "", options, (1, 6)
     )
     stepper = steps.Stepper(work)
     while stepper.progress < 0.5:
@@ -207,7 +207,7 @@ def test_a_canceled_bake_changes_nothing():
 
 PRESSED = {
     **{"count": 200, "feature_angle": 0.5, "max_distance": 0.0, "adaptive": False},
-    **{"animation": "SHAPE_KEYS", "frame_start": 1, "frame_end": 6},
+    **{"density": "", "animation": "SHAPE_KEYS", "frame_start": 1, "frame_end": 6},
 }
 
 

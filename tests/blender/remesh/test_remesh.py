@@ -205,6 +205,64 @@ def test_adaptive_vertices_keep_the_shape_better():
     assert farthest(adaptive=True) < 0.75 * farthest()
 
 
+def upper_share(mesh):
+    return (positions(mesh)[:, 2] > 0.0).mean()
+
+
+def test_a_vertex_group_is_the_density():
+    obj = scenes.sphere()
+    upper = [v.index for v in obj.data.vertices if v.co.z > 0.0]
+    obj.vertex_groups.new(name="Fine").add(range(len(obj.data.vertices)), 0.2, "REPLACE")
+    obj.vertex_groups["Fine"].add(upper, 1.0, "REPLACE")
+    mesh = remeshed(obj, count=400, density="Fine")
+    assert len(mesh.vertices) == 400
+    assert upper_share(mesh) > 0.7
+
+
+@pytest.mark.parametrize("domain", ["POINT", "FACE", "CORNER"])
+def test_an_attribute_is_the_density(domain):
+    obj = scenes.sphere()
+    heights = {
+        "POINT": [v.co.z for v in obj.data.vertices],
+        "FACE": [p.center.z for p in obj.data.polygons],
+        "CORNER": [obj.data.vertices[one.vertex_index].co.z for one in obj.data.loops],
+    }[domain]
+    attribute = obj.data.attributes.new("Fine", "FLOAT", domain)
+    attribute.data.foreach_set("value", [1.0 if z > 0.0 else 0.0 for z in heights])
+    mesh = remeshed(obj, count=400, density="Fine")
+    assert upper_share(mesh) > 0.9
+    assert positions(mesh)[:, 2].min() < -0.9  # there is something everywhere
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("Gone", "Surface 'Sphere' has no attribute or vertex group 'Gone'"),
+        ("Empty", "'Sphere': the density is 0 everywhere"),
+        ("Low", "Surface 'Sphere': 'Low' is -1 at vertex 0"),
+    ],
+)
+def test_a_density_that_is_none_is_told(name, message):
+    obj = scenes.sphere()
+    obj.vertex_groups.new(name="Empty")
+    low = obj.data.attributes.new("Low", "FLOAT", "POINT")
+    low.data.foreach_set("value", [-1.0] * len(obj.data.vertices))
+    before = len(obj.data.vertices)
+    with pytest.raises(RuntimeError, match=message):
+        bpy.ops.dapple.remesh(count=100, density=name)
+    assert len(obj.data.vertices) == before
+
+
+def test_a_mesh_with_keys_follows_the_density():
+    obj = scenes.tail(levels=0, frames=3)
+    middle = np.median(positions(obj.data)[:, 2])
+    upper = [v.index for v in obj.data.vertices if v.co.z > middle]
+    obj.vertex_groups.new(name="Fine").add(upper, 1.0, "REPLACE")
+    given = {"animation": "SHAPE_KEYS", "frame_start": 1, "frame_end": 3}
+    mesh = remeshed(obj, count=300, density="Fine", **given)
+    assert (positions(mesh)[:, 2] > middle).mean() > 0.8
+
+
 def test_a_distance_that_is_out_of_reach_is_told(capfd):
     obj = scenes.sphere()
     remeshed(obj, count=8, max_distance=1e-7)
