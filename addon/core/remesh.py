@@ -28,7 +28,7 @@ class OldMesh:
     vertices: Floats  # (v, 3) in world space
     faces: Ints  # (t, 3) the triangles that its polygons are cut into
     lines: Ints  # (k, 2) edges that stay: seams, borders of materials, marked ones
-    density: Floats | None = None  # (t, 3) of the triangles' corners; None: the same everywhere
+    density: Floats | None = None  # as placed_values() gives it; None: the same everywhere
 
 
 @dataclass(frozen=True)
@@ -87,8 +87,8 @@ def _with_density(surface: Any, old: OldMesh) -> Any:
     most = old.density.max()
     if most == 0.0:
         raise ScatterError(f"'{old.name}': the density is 0 everywhere")
-    density = np.maximum(old.density, _LEAST_DENSITY * most)
-    return surface.with_density(density, density_at="corners")
+    values, at = package().density.placed(np.maximum(old.density, _LEAST_DENSITY * most))
+    return surface.with_density(values, density_at=at)
 
 
 def _with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) -> NewMesh:

@@ -18,7 +18,7 @@ from ..base.translation import translated, translated_report
 from ..scatter.linked_data import read_only
 from ..scatter.object import is_scatter
 from ..surface.polls import free
-from ..surface.values import weight_names
+from ..surface.values import matching_names
 from .motion import motion_steps
 from .reading import read_old
 from .writing import replace_mesh, write_new
@@ -34,8 +34,7 @@ _FRAME = {  # of the scene
 
 
 def _density_names(_operator: Any, context: bpy.types.Context, text: str) -> list[str]:
-    names = weight_names(context.object) if context.object is not None else []
-    return [name for name in names if text.lower() in name.lower()]
+    return matching_names(context.object, text)
 
 
 class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):

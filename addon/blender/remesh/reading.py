@@ -7,9 +7,15 @@ from numpy.typing import NDArray
 
 from ...core.remesh import OldMesh
 from ...core.surface.arrays import Floats, Ints
-from ...core.surface.mesh_snapshot import RawValues
-from ..base.mesh_arrays import corner_vertices, read_points, to_world, triangle_corners
-from ..surface.values import raw_values
+from ...core.surface.mesh_snapshot import RawValues, placed_values
+from ..base.mesh_arrays import (
+    corner_vertices,
+    polygon_starts,
+    read_points,
+    to_world,
+    triangle_corners,
+)
+from ..surface.values import own_group_weights, raw_values
 
 # Attributes of marked edges.
 _WEIGHTS = ("crease_edge", "bevel_weight_edge")
@@ -35,29 +41,19 @@ def read_old(obj: bpy.types.Object, density: str) -> OldMesh:
         vertices=to_world(obj, read_points(mesh)),
         faces=faces,
         lines=lines_of(mesh),
-        density=at_corners(mesh, _own_values(obj, density), obj.name) if density else None,
+        density=placed_density(obj.name, mesh, _own_values(obj, density)) if density else None,
     )
 
 
 def _own_values(obj: bpy.types.Object, name: str) -> RawValues:
     """An attribute, or the weights of a vertex group."""
     raw = raw_values(obj, obj.data, name)
-    if raw is not None:
-        return raw
-    index, weights = obj.vertex_groups[name].index, np.zeros(len(obj.data.vertices))
-    for v, vertex in enumerate(obj.data.vertices):
-        weights[v] = next((one.weight for one in vertex.groups if one.group == index), 0.0)
-    return RawValues(name, "POINT", weights)
+    return RawValues(name, "POINT", own_group_weights(obj, name)) if raw is None else raw
 
 
-def at_corners(mesh: bpy.types.Mesh, raw: RawValues, name: str) -> Floats:
-    """Values (t, 3) at the corners of the triangles of the mesh of an object with this name."""
-    values, corners = raw.numbers(name), triangle_corners(mesh)
-    if raw.domain == "CORNER":
-        return values[corners]
-    if raw.domain == "FACE":
-        return np.repeat(values[triangle_polygons(mesh)][:, None], 3, axis=1)
-    return values[corner_vertices(mesh)[corners]]
+def placed_density(name: str, mesh: bpy.types.Mesh, raw: RawValues) -> Floats:
+    """A density for the mesh of an object with this name, as OldMesh has it."""
+    return placed_values(name, [raw], polygon_starts(mesh), triangle_corners(mesh))[0][raw.name]
 
 
 def triangle_polygons(mesh: bpy.types.Mesh) -> Ints:
@@ -96,16 +92,19 @@ def lines_of(mesh: bpy.types.Mesh) -> Ints:
 
 def _faces_of_edges(mesh: bpy.types.Mesh) -> Ints:
     """The number (e,) of faces at each edge."""
-    edges = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("edge_index", edges)
-    return np.bincount(edges, minlength=len(mesh.edges)).astype(np.int32)
+    return np.bincount(_corner_edges(mesh), minlength=len(mesh.edges)).astype(np.int32)
+
+
+def _corner_edges(mesh: bpy.types.Mesh) -> Ints:
+    """The edge (c,) after each corner."""
+    found = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("edge_index", found)
+    return found
 
 
 def _divided(mesh: bpy.types.Mesh) -> np.ndarray:
     """Per edge, whether texture coordinates or materials differ on its two sides."""
-    corners = len(mesh.loops)
-    edges, nexts = np.empty(corners, np.int32), _next_corners(mesh)
-    mesh.loops.foreach_get("edge_index", edges)
+    edges, nexts = _corner_edges(mesh), _next_corners(mesh)
     order = np.argsort(edges, kind="stable")
     same = edges[order][1:] == edges[order][:-1]
     first, second = order[:-1][same], order[1:][same]
@@ -124,11 +123,17 @@ def _divided(mesh: bpy.types.Mesh) -> np.ndarray:
 
 def _next_corners(mesh: bpy.types.Mesh) -> Ints:
     """The next corner (c,) of the polygon of each."""
-    totals = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_total", totals)
+    totals = _corner_counts(mesh)
     ends = np.cumsum(totals)
     found = np.arange(1, len(mesh.loops) + 1, dtype=np.int32)
     found[ends - 1] = ends - totals
+    return found
+
+
+def _corner_counts(mesh: bpy.types.Mesh) -> Ints:
+    """The number (p,) of corners of each polygon."""
+    found = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", found)
     return found
 
 
@@ -143,9 +148,7 @@ def _corner_values(mesh: bpy.types.Mesh) -> list[Floats]:
         found.append(values.reshape(-1, 2).astype(np.float64))
     materials = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("material_index", materials)
-    totals = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_total", totals)
-    found.append(np.repeat(materials, totals)[:, None].astype(np.float64))
+    found.append(np.repeat(materials, _corner_counts(mesh))[:, None].astype(np.float64))
     return found
 
 
@@ -153,8 +156,6 @@ def hard_edges(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
     """Per edge (e,) between smooth faces, whether they are shaded apart: at a sharp edge, by custom
     normals, or because files of other programs repeat the vertices there.
     """
-    edges = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("edge_index", edges)
     normals, ends = _normals_along(mesh)
     _, group = np.unique(
         ends.min(axis=1) * len(mesh.vertices) + ends.max(axis=1), return_inverse=True
@@ -167,7 +168,7 @@ def hard_edges(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
     hard = np.zeros(len(mesh.loops), bool)
     hard[group[first[apart]]] = True
     found = np.zeros(len(mesh.edges), bool)
-    found[edges] = hard[group]
+    found[_corner_edges(mesh)] = hard[group]
     return found
 
 
@@ -192,7 +193,6 @@ def _places_of_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
 
 def _smooth_corners(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
     """Per corner, whether its polygon is shaded smooth."""
-    smooth, totals = np.empty(len(mesh.polygons), bool), np.empty(len(mesh.polygons), np.int32)
+    smooth = np.empty(len(mesh.polygons), bool)
     mesh.polygons.foreach_get("use_smooth", smooth)
-    mesh.polygons.foreach_get("loop_total", totals)
-    return np.repeat(smooth, totals)
+    return np.repeat(smooth, _corner_counts(mesh))

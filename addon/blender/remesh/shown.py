@@ -23,7 +23,7 @@ from ..base.object_handles import ObjectHandle
 from ..base.times import show_time
 from ..surface.mesh import evaluated_mesh
 from ..surface.values import read_weights
-from .reading import at_corners, lines_of
+from .reading import lines_of, placed_density
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,8 @@ def read_first(handle: ObjectHandle, frame: int, density: str) -> tuple[OldMesh,
     with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
         shown = _shown(obj, mesh)
         faces = shown.corners[triangle_corners(mesh)] if len(mesh.polygons) else _NO_FACES
-        values = at_corners(mesh, read_weights(obj, mesh, density), obj.name) if density else None
+        weights = read_weights(obj, mesh, density) if density else None
+        values = placed_density(obj.name, mesh, weights) if weights is not None else None
         return OldMesh(obj.name, shown.vertices, faces, lines_of(mesh), values), shown
 
 

@@ -19,7 +19,7 @@ from bpy.props import (
 from ...core.settings.descriptors import DATA_BLOCKS, Changes, Kind, Setting
 from ..base.translation import OWN
 from ..scatter.object import is_surface
-from ..surface.values import weight_names
+from ..surface.values import matching_names
 from .updates import instance_changed, material_changed, settings_changed
 
 STILL: set[str] = set()  # not animatable: update functions do not run during playback
@@ -45,9 +45,7 @@ class DAPPLE_PG_material(bpy.types.PropertyGroup):
 
 def _weight_names(settings: Any, context: bpy.types.Context, text: str) -> list[str]:
     """Names that match the typed text; other names, made by modifiers, can be typed too."""
-    surface = settings.id_data.dapple.surface
-    names = weight_names(surface) if surface is not None else []
-    return [name for name in names if text.lower() in name.lower()]
+    return matching_names(settings.id_data.dapple.surface, text)
 
 
 # The property type of each kind, with arguments for this kind.

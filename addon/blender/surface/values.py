@@ -30,6 +30,12 @@ def weight_names(obj: bpy.types.Object) -> list[str]:
     return list(dict.fromkeys(groups + [name for part in parts for name in _attributes(part)]))
 
 
+def matching_names(obj: bpy.types.Object | None, text: str) -> list[str]:
+    """Those of weight_names() that match a typed text; none without an object."""
+    names = weight_names(obj) if obj is not None else []
+    return [name for name in names if text.lower() in name.lower()]
+
+
 def _attributes(obj: bpy.types.Object) -> list[str]:
     kinds = _FIELDS.keys() | _COLORS.keys()
     return [
@@ -111,17 +117,28 @@ def _values(obj: bpy.types.Object, attribute: bpy.types.Attribute) -> NDArray[An
 def group_weights(obj: bpy.types.Object, name: str) -> Singles:
     """Weights (v,) of an object's evaluated vertices in a vertex group; 0 for those outside.
 
-    Python has no array of them, and reading them vertex by vertex takes 0.2 s for 250,000 vertices.
-    Blender multiplies what a shape key adds by the weights of its vertex group, so a temporary copy
-    of the mesh mixes a key of zeros with one of ones, in 10 ms.
-
     Raises:
         ScatterError: there is no such group.
     """
     _check_group(obj, name)
     depsgraph = bpy.context.evaluated_depsgraph_get()
+    return _weights_of(obj.evaluated_get(depsgraph), name, depsgraph)
+
+
+def own_group_weights(obj: bpy.types.Object, name: str) -> Singles:
+    """The same of an object's vertices before its modifiers; the group exists."""
+    return _weights_of(obj, name, None)
+
+
+def _weights_of(obj: bpy.types.Object, name: str, depsgraph: bpy.types.Depsgraph | None) -> Singles:
+    """Weights (v,) of the vertices of an object, evaluated or not.
+
+    Python has no array of them, and reading them vertex by vertex takes 0.2 s for 250,000 vertices.
+    Blender multiplies what a shape key adds by the weights of its vertex group, so a temporary copy
+    of the mesh mixes a key of zeros with one of ones, in 10 ms.
+    """
     with quiet():
-        mesh = bpy.data.meshes.new_from_object(obj.evaluated_get(depsgraph), depsgraph=depsgraph)
+        mesh = bpy.data.meshes.new_from_object(obj, depsgraph=depsgraph)
         copy = bpy.data.objects.new(mesh.name, mesh)
         try:
             return _mixed(copy, name)
@@ -134,6 +151,7 @@ def _mixed(obj: bpy.types.Object, group: str) -> Singles:
     values = np.zeros((len(obj.data.vertices), 3), dtype=np.float32)
     if not len(values) or group not in obj.vertex_groups:
         return values[:, 0]
+    obj.vertex_groups[group].add([0], 0.0, "ADD")  # without any weights all count as 1
     obj.shape_key_clear()
     obj.shape_key_add(name="Zeros").points.foreach_set("co", values.ravel())
     ones = obj.shape_key_add(name="Ones")

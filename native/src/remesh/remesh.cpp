@@ -129,11 +129,10 @@ Surface with_values(const Surface& surface, const std::vector<double>& density) 
 /// The density by which a mesh is nearest to the surface. It is learned from meshes that
 /// are not solved to their end, each denser where the one before was far from the surface.
 Adapted adapted_density(const Surface& surface, std::size_t count, const RemeshOptions& options,
-                        const FeatureLines& lines, Context* context) {
+                        const FeatureLines& lines, const DistanceCheck& check, Context* context) {
   RemeshOptions rough = options;
   rough.max_distance = 0.0;
   rough.optimizer.tolerance *= kRough;
-  const DistanceCheck check(surface, lines, context);
   AdaptedDensity density(surface, count);
   Adapted best;
   std::vector<double> now;
@@ -162,12 +161,14 @@ Adapted adapted_density(const Surface& surface, std::size_t count, const RemeshO
 RemeshResult adapted_remesh(const Surface& surface, std::size_t count, const RemeshOptions& options,
                             const FeatureLines& lines, Context* context) {
   Stretch learning(context, 0.0, kLearned), last(context, kLearned, 1.0);
-  const Adapted adapted = adapted_density(surface, count, options, lines, learning.context());
+  const DistanceCheck check(surface, lines, context);
+  const Adapted adapted =
+      adapted_density(surface, count, options, lines, check, learning.context());
   RemeshResult mesh =
       best_remesh(with_values(surface, adapted.density), count, options, lines, last.context());
   mesh.density = adapted.density;
   mesh.report.evaluations += adapted.evaluations;
-  mesh.report.distance = DistanceCheck(surface, lines, context).distances(mesh, context).largest;
+  mesh.report.distance = check.distances(mesh, context).largest;
   return mesh;
 }
 

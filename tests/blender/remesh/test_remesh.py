@@ -219,6 +219,16 @@ def test_a_vertex_group_is_the_density():
     assert upper_share(mesh) > 0.7
 
 
+def test_the_density_is_that_before_modifiers_and_keys():
+    obj = scenes.sphere()
+    upper = [v.index for v in obj.data.vertices if v.co.z > 0.0]
+    obj.vertex_groups.new(name="Fine").add(upper, 1.0, "REPLACE")
+    obj.shape_key_add(name="Basis")
+    obj.shape_key_add(name="Large").data[0].co.z = 3.0
+    obj.modifiers.new("Subdivision", "SUBSURF")
+    assert upper_share(remeshed(obj, count=400, density="Fine")) > 0.9
+
+
 @pytest.mark.parametrize("domain", ["POINT", "FACE", "CORNER"])
 def test_an_attribute_is_the_density(domain):
     obj = scenes.sphere()
