@@ -69,6 +69,10 @@ bool same_bytes(const RemeshResult& a, const RemeshResult& b) {
          equal(a.density, b.density);
 }
 
+bool same_bytes(const NextRemesh& a, const NextRemesh& b) {
+  return same_bytes(a.mesh, b.mesh) && a.previous == b.previous && a.kept == b.kept;
+}
+
 bool same_bytes(const Stipples& a, const Stipples& b) {
   return equal(a.positions, b.positions) && equal(a.classes, b.classes) && a.radius == b.radius;
 }

@@ -37,6 +37,7 @@ auto answer(const Verb& verb) -> std::optional<decltype(verb())> {
 [[nodiscard]] bool same_bytes(const PlanarSamples& a, const PlanarSamples& b);
 [[nodiscard]] bool same_bytes(const Mosaic& a, const Mosaic& b);
 [[nodiscard]] bool same_bytes(const RemeshResult& a, const RemeshResult& b);
+[[nodiscard]] bool same_bytes(const NextRemesh& a, const NextRemesh& b);
 [[nodiscard]] bool same_bytes(const Stipples& a, const Stipples& b);
 [[nodiscard]] bool same_bytes(const Refined& a, const Refined& b);
 

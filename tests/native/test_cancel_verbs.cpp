@@ -346,6 +346,14 @@ TEST(Watched, ARemeshWithinADistance) {
       [&](Context* context) { (void)remesh(surface, 12, {.max_distance = 0.2}, context); });
 }
 
+TEST(Watched, TheRemeshOfTheNextSurface) {
+  const Surface before = remeshed(0).surface(), next = remeshed(1).surface();
+  const RemeshResult mesh = remesh(before, 100);
+  expect_watched([&](Context* context) {
+    (void)remesh_next(before, mesh, next, before.capacity() / 100.0, {}, context);
+  });
+}
+
 TEST(Watched, AnAdaptedRemesh) {
   const Surface surface = blob(1).surface();
   expect_watched([&](Context* context) { (void)remesh(surface, 20, {.adaptive = true}, context); });

@@ -155,6 +155,16 @@ void hash_remesh(Hash& hash, int threads) {
   hash.add(mesh.source_faces);
 }
 
+void hash_remesh_next(Hash& hash, int threads) {
+  const Surface before = box(3).surface(), next = sloped().surface();
+  const RemeshOptions options{.threads = threads};
+  const NextRemesh found =
+      remesh_next(before, remesh(before, 300, options), next, before.capacity() / 300.0, options);
+  hash.add(found.mesh.vertices);
+  hash.add(found.mesh.faces);
+  hash.add(found.previous);
+}
+
 void hash_symmetric(Hash& hash, int threads) {
   for (const Shape& shape : {ring(), sloped()}) {
     SymmetryOptions options;
@@ -182,6 +192,7 @@ constexpr std::array kCases = {
     Case{"stipple", hash_stipple},
     Case{"mosaic", hash_mosaic},
     Case{"remesh", hash_remesh},
+    Case{"remesh_next", hash_remesh_next},
     Case{"symmetric", hash_symmetric},
 };
 

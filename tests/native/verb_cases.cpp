@@ -271,6 +271,22 @@ Prepare remeshing_adapted(int threads) {
   return remeshing(blob(1).surface(), 20, {.adaptive = true}, threads);
 }
 
+Prepare remeshing_next(int threads) {
+  const Surface before = grid(6).surface();
+  const Surface next = mapped(grid(7), [](const Vec3& p) {
+                         return Vec3(p[0], p[1], 0.3 * std::max(p[0] - 0.5, 0.0));
+                       }).surface();
+  RemeshOptions options;
+  options.optimizer.max_evaluations = 3;
+  options.threads = threads;
+  return again([before, next, options, mesh = remesh(before, 60, options)](Hash& hash) {
+    const NextRemesh found = remesh_next(before, mesh, next, before.capacity() / 60.0, options);
+    hash.add(found.mesh.vertices);
+    hash.add(found.mesh.faces);
+    hash.add(found.previous);
+  });
+}
+
 Prepare covering(int) {
   const Surface surface = grid(3).surface();
   std::vector<FaceUv> uv;
@@ -418,6 +434,7 @@ constexpr std::array kCases = {
     Case{"Remesh", remeshing_a_box},
     Case{"RemeshNear", remeshing_near},
     Case{"RemeshAdapted", remeshing_adapted},
+    Case{"RemeshNext", remeshing_next},
     Case{"Decals", covering},
     Case{"Refine", refining},
     Case{"RefineOutside", leaving_out_hidden_faces, 1},  // as Polygon

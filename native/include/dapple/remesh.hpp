@@ -118,4 +118,26 @@ struct RemeshResult {
 [[nodiscard]] RemeshResult remesh(const Surface& surface, std::size_t count,
                                   const RemeshOptions& options = {}, Context* context = nullptr);
 
+/// The remesh of the next surface of a sequence.
+struct NextRemesh {
+  RemeshResult mesh;
+  /// Per vertex, the vertex of the mesh before that it was; -1 for a new one.
+  std::vector<std::int32_t> previous;
+  std::size_t kept = 0;  ///< vertices that have not moved, because the surface around is the same
+};
+
+/// Remesh the next surface of a sequence, whose faces may be others: fluids, torn, carved and built
+/// bodies. Where the surface is the same as before, vertices stay exactly where they are. Others
+/// move along with it, each to the nearest place on its side that is not far; where surface appears
+/// or is gone, vertices come and go. The spacing is that of the first mesh: the number of vertices
+/// changes with the area.
+/// \param before   the surface that `mesh` is made from
+/// \param capacity of a vertex: that of the first surface, divided by the number of its vertices
+/// \param options  `adaptive` must be off and `non_manifold` kKept; `edges` are the next surface's
+/// \throw ArgumentError as remesh(), if the mesh is not of the surface before, or for a capacity
+///        that is not > 0; Cancelled
+[[nodiscard]] NextRemesh remesh_next(const Surface& before, const RemeshResult& mesh,
+                                     const Surface& next, double capacity,
+                                     const RemeshOptions& options = {}, Context* context = nullptr);
+
 }  // namespace dapple

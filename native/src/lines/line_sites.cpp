@@ -75,11 +75,46 @@ void place_at(const OrderedSurface& mesh, const LineChain& chain, std::span<cons
   }
 }
 
-/// Even places along a chain, without its corners.
-std::vector<double> even_places(const LineChain& chain, double total, double unit, double fewest) {
+/// A part of a line between two sites that are there.
+struct Gap {
+  double from, length;
+  double parts;  // that new sites divide it into
+};
+
+/// The gaps between places, also those that a line has at its ends.
+/// \param stops ascending; at least one on a closed chain
+std::vector<Gap> gaps_between(bool closed, double total, std::vector<double> stops) {
+  if (closed) {
+    stops.push_back(stops.front() + total);
+  } else {
+    stops.insert(stops.begin(), 0.0);
+    stops.push_back(total);
+  }
+  std::vector<Gap> gaps;
+  for (std::size_t k = 0; k + 1 < stops.size(); ++k)
+    gaps.push_back({stops[k], stops[k + 1] - stops[k], 1.0});
+  return gaps;
+}
+
+/// Even places along a chain between those that are there, without its corners; ascending.
+std::vector<double> even_places(const LineChain& chain, double total, double unit, double fewest,
+                                std::vector<double> stops) {
   std::vector<double> places;
-  const double parts = std::max(std::round(total / unit), fewest);
-  for (double k = chain.closed ? 0.0 : 1.0; k < parts; ++k) places.push_back(total * k / parts);
+  if (chain.closed && stops.empty()) {
+    stops = {0.0};
+    places = {0.0};
+  }
+  std::ranges::sort(stops);
+  std::vector<Gap> gaps = gaps_between(chain.closed, total, std::move(stops));
+  double parts = 0.0;
+  for (Gap& gap : gaps) parts += gap.parts = std::max(std::round(gap.length / unit), 1.0);
+  std::ranges::max_element(gaps, {}, &Gap::length)->parts += std::max(fewest - parts, 0.0);
+  for (const Gap& gap : gaps)
+    for (double k = 1.0; k < gap.parts; ++k)
+      places.push_back(gap.from + gap.length * k / gap.parts);
+  for (double& place : places)
+    if (place >= total) place -= total;  // across the beginning of a closed line
+  std::ranges::sort(places);
   return places;
 }
 
@@ -111,21 +146,31 @@ Sites point_on_chain(const OrderedSurface& mesh, const LineChain& chain, bool fo
   return {};
 }
 
-LineSites sites_on_lines(const Surface& surface, const FeatureLines& lines, double unit) {
+double length_at(const OrderedSurface& mesh, const LineChain& chain, std::size_t edge,
+                 double share) {
+  double length = 0.0;
+  for (std::size_t e = 0; e < edge; ++e) length += metric(mesh, chain.half_edges[e]);
+  return length + share * metric(mesh, chain.half_edges[edge]);
+}
+
+LineSites sites_on_lines(const Surface& surface, const FeatureLines& lines, double unit,
+                         const KeptOnLines& kept) {
   const OrderedSurface& mesh = surface.ordered();
   LineSites result;
-  result.corners = lines.corners().size();
-  for (std::size_t k = 0; k < result.corners; ++k) {
+  for (std::size_t k = 0; k < lines.corners().size(); ++k) {
+    if (!kept.corners.empty() && kept.corners[k]) continue;
     append_point(result.sites, point_on_edge(mesh, lines.half_edge_at(k), 0.0));
     result.chains.push_back(-1);
   }
+  result.corners = result.sites.size();
   const std::vector<double> fewest = fewest_parts(lines.chains());
   for (std::size_t k = 0; k < fewest.size(); ++k) {
     const LineChain& chain = lines.chains()[k];
     const std::vector<double> ends = lengths_along(mesh, chain);
-    if (ends.back() > 0.0)
-      place_at(mesh, chain, ends, even_places(chain, ends.back(), unit, fewest[k]),
-               static_cast<std::int32_t>(k), result);
+    if (!(ends.back() > 0.0)) continue;
+    const std::vector<double> stops = kept.places.empty() ? std::vector<double>() : kept.places[k];
+    place_at(mesh, chain, ends, even_places(chain, ends.back(), unit, fewest[k], stops),
+             static_cast<std::int32_t>(k), result);
   }
   return result;
 }

@@ -23,10 +23,23 @@ struct LineSites {
 [[nodiscard]] Sites point_on_chain(const OrderedSurface& mesh, const LineChain& chain, bool forward,
                                    double distance);
 
+/// Sites that are on lines already. Empty: none.
+struct KeptOnLines {
+  std::vector<bool> corners;                ///< per corner, whether there is one
+  std::vector<std::vector<double>> places;  ///< per chain: their lengths along it, see length_at()
+};
+
+/// The length along a chain up to a place of one of its edges, where the local unit is
+/// 1 / sqrt(density).
+/// \param share of the edge, from its first vertex in the chain's direction
+[[nodiscard]] double length_at(const OrderedSurface& mesh, const LineChain& chain, std::size_t edge,
+                               double share);
+
 /// Corners, and points evenly along each chain, by the local spacing `unit / sqrt(density)`; a
 /// closed chain gets three at least.
+/// \param kept they are left out, and others are spaced between them
 [[nodiscard]] LineSites sites_on_lines(const Surface& surface, const FeatureLines& lines,
-                                       double unit);
+                                       double unit, const KeptOnLines& kept = {});
 
 /// The length of all chains, or of borders alone, where the local unit is 1 / sqrt(density).
 [[nodiscard]] double metric_length(const Surface& surface, const FeatureLines& lines,

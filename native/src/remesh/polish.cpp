@@ -224,6 +224,7 @@ class Polisher {
 
   bool widen(std::int32_t t) {
     const Face face = mesh_.triangle(t);
+    if (sites_.stay(face)) return false;
     Step best;
     best.gain = kGain;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -270,6 +271,7 @@ class Polisher {
   }
 
   void try_collapse(std::int32_t a, std::int32_t b, Step& best) const {
+    if (sites_.origins[as_index(a)].stays) return;
     const double edge = mean_edge(b);
     if ((position(a, {}) - position(b, {})).norm() > kShort * edge) return;
     MeshChange change = mesh_.collapsed(a, b);
@@ -292,7 +294,7 @@ class Polisher {
 
   void try_move(std::int32_t v, Step& best) {
     const SiteKind kind = sites_.kinds[as_index(v)];
-    if (kind == SiteKind::kCorner) return;
+    if (kind == SiteKind::kCorner || sites_.origins[as_index(v)].stays) return;
     MeshChange ring = mesh_.moved(v);
     if (ring.gone.empty()) return;
     const double before = worst(ring.gone);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/progress.hpp"
+#include "lines/line_places.hpp"
 #include "lines/line_sites.hpp"
 #include "remesh/cut_apart.hpp"
 #include "remesh/measure.hpp"
@@ -35,6 +36,7 @@ constexpr double kSolved = 0.8;       // of the progress
 constexpr double kMended = 0.95;
 constexpr double kThinned = 0.8;  // if there is a limit of the distance
 constexpr double kHalfWay = 8.0;  // rounds after which half of the rest is done
+constexpr double kOnLine = 1e-6;  // of the spacing, a distance that is rounding
 
 /// The distance between neighbors where the density is 1, if `count` vertices are spaced evenly:
 /// those on borders have half a cell.
@@ -73,6 +75,26 @@ LineRules rules_of(const Surface& surface, std::size_t count, const RemeshOption
   return {.feature_angle = options.feature_angle,
           .scale = surface.spacing(count),
           .marked = options.edges};
+}
+
+double line_spacing(const Surface& surface, const FeatureLines& lines, std::size_t count) {
+  const double border = metric_length(surface, lines, /*borders_only=*/true);
+  return std::max(
+      unit_spacing(surface, border, count),
+      metric_length(surface, lines, /*borders_only=*/false) / static_cast<double>(count));
+}
+
+void name_lines(const Surface& surface, const FeatureLines& lines, RemeshSites& sites) {
+  const LinePlaces places(surface, lines);
+  const double tolerance = kOnLine * surface.spacing(sites.size());
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    if (sites.is_free(k)) continue;
+    const LinePlace place = places.find(sites.sites.faces[k], sites.sites.positions[k], tolerance);
+    sites.chains[k] = place.chain;
+    sites.kinds[k] = place.corner >= 0  ? SiteKind::kCorner
+                     : place.chain >= 0 ? SiteKind::kLine
+                                        : SiteKind::kFree;
+  }
 }
 
 void Remesher::run(Context* context) {
@@ -135,15 +157,19 @@ bool Remesher::drop_hopeless() {
   return dropped > 0;
 }
 
-double Remesher::line_spacing(std::size_t count) const {
-  const double border = metric_length(surface_, lines_, /*borders_only=*/true);
-  return std::max(
-      unit_spacing(surface_, border, count),
-      metric_length(surface_, lines_, /*borders_only=*/false) / static_cast<double>(count));
+void Remesher::solve_given(Context* context) {
+  sites_ = given_;
+  name_lines(surface_, lines_, sites_);
+  settle(std::vector<bool>(sites_.size(), true), context);
 }
 
 void Remesher::solve(Context* context) {
-  const LineSites on_lines = sites_on_lines(surface_, lines_, line_spacing(count_));
+  if (given_.size() > 0) {
+    solve_given(context);
+    return;
+  }
+  const LineSites on_lines =
+      sites_on_lines(surface_, lines_, line_spacing(surface_, lines_, count_));
   const SampleClass all{.count = std::max(count_, on_lines.sites.size()), .locked = on_lines.sites};
   const Sites start = solution_beside(on_lines.sites, all.count - on_lines.sites.size());
   const bool again = start.size() > 0;
@@ -164,7 +190,7 @@ void Remesher::solve(Context* context) {
 ClassMinimum Remesher::solve_anew(const SampleClass& all, Context* context) const {
   ClassProblem problem = problem_of(all);
   problem.classes[0].locked_among = [this](std::size_t count) {
-    return sites_on_lines(surface_, lines_, line_spacing(count)).sites;
+    return sites_on_lines(surface_, lines_, line_spacing(surface_, lines_, count)).sites;
   };
   return dapple::solve(problem, class_options(options_), context);
 }
@@ -209,8 +235,8 @@ void Remesher::settle(const std::vector<bool>& moving, Context* context) {
   const SampleClass all{.count = sites_.size()};
   const ClassProblem problem = problem_of(all);
   std::vector<bool> locked(sites_.size());
-  for (std::size_t k = 0; k < locked.size(); ++k)
-    locked[k] = sites_.kinds[k] != SiteKind::kFree || !moving[k];
+  for (std::size_t k = 0; k < locked.size(); ++k) locked[k] = !sites_.is_free(k) || !moving[k];
+  if (std::ranges::find(locked, false) == locked.end()) return;
   OptimizerOptions optimizer = options_.optimizer;
   optimizer.max_evaluations = std::min(optimizer.max_evaluations, kFewEvaluations);
   ClassMinimum found = dapple::solve(
@@ -224,6 +250,7 @@ void Remesher::look(Context* context) {
   const StageSpan looking(context, Stage::kCells);
   dual_ = along_ ? dual_of(surface_, lines_, sites_.sites, sites_.kinds, *along_, context)
                  : dual_of(surface_, lines_, sites_.sites, sites_.kinds, options_.cells, context);
+  kept_.put_into(sites_, dual_);
 }
 
 void Remesher::mend_all(Context* context) {
@@ -320,7 +347,8 @@ std::vector<Violation> Remesher::away_from_surface(const Dual& dual,
                                                    const RemeshSites& sites) const {
   std::vector<Violation> result;
   for (const std::size_t k : facing_away(surface_, lines_, dual.triangles, sites.sites))
-    result.push_back({dual.triangles[k][0], Flaw::kAway, dual.corners[k], {}});
+    if (!sites.stay(dual.triangles[k]))
+      result.push_back({dual.triangles[k][0], Flaw::kAway, dual.corners[k], {}});
   return result;
 }
 
@@ -406,11 +434,12 @@ void Remesher::settle_others(Context* context) {
   settle(moving, context);
 }
 
-RemeshResult Remesher::result(Context* context) const {
+TracedMesh Remesher::result(Context* context) const {
   RemeshSites sites = best_sites_;
   Dual dual = best_;
   const double distance = polish_within_limit(sites, dual, context);
-  RemeshResult mesh;
+  TracedMesh result;
+  RemeshResult& mesh = result.mesh;
   std::vector<std::int32_t> number(sites.size(), -1);
   for (const Face& triangle : dual.triangles)
     for (const std::int32_t v : triangle) number[as_index(v)] = 0;
@@ -421,6 +450,7 @@ RemeshResult Remesher::result(Context* context) const {
     mesh.source_faces.push_back(sites.sites.faces[k]);
     mesh.barycentric.push_back(sites.sites.barycentric[k]);
     mesh.features.push_back(static_cast<VertexFeature>(sites.kinds[k]));
+    result.origins.push_back(sites.origins[k]);
   }
   for (const auto& [a, b, c] : dual.triangles)
     mesh.faces.push_back({number[as_index(a)], number[as_index(b)], number[as_index(c)]});
@@ -436,7 +466,7 @@ RemeshResult Remesher::result(Context* context) const {
   mesh.report.distance = distance;
   mesh.report.evaluations = evaluations_;
   mesh.report.converged = converged_;
-  return mesh;
+  return result;
 }
 
 std::vector<double> Remesher::finer_edges() const {

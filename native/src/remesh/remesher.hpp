@@ -10,6 +10,7 @@
 #include "lines/feature_lines.hpp"
 #include "remesh/dual.hpp"
 #include "remesh/far_places.hpp"
+#include "remesh/kept_triangles.hpp"
 #include "remesh/site_editor.hpp"
 #include "sample/solve_classes.hpp"
 
@@ -22,18 +23,40 @@ inline constexpr double kFinerEdge = 0.5;
 [[nodiscard]] LineRules rules_of(const Surface& surface, std::size_t count,
                                  const RemeshOptions& options);
 
+/// The spacing along lines where the density is 1. Where it varies, lines may lie where it is
+/// largest; they get no more sites than all together.
+[[nodiscard]] double line_spacing(const Surface& surface, const FeatureLines& lines,
+                                  std::size_t count);
+
+/// A mesh, and what its vertices were in the one before.
+struct TracedMesh {
+  RemeshResult mesh;
+  std::vector<Origin> origins;  ///< per vertex
+};
+
+/// What a remesh begins with; nothing: a random start.
+struct Beginning {
+  Sites free;         ///< sites of an earlier solution that are on no line
+  RemeshSites given;  ///< all sites, with those on lines, which name_lines() finds
+  KeptTriangles kept;
+};
+
+/// Name the lines that sites are on, of those that are to be on lines or that stay.
+void name_lines(const Surface& surface, const FeatureLines& lines, RemeshSites& sites);
+
 /// Finds the sites whose dual is the mesh.
 class Remesher {
  public:
   /// The surface and the options must outlive it.
-  /// \param start free sites of an earlier solution; none: a random start
   Remesher(const Surface& surface, std::size_t count, const RemeshOptions& options,
-           FeatureLines lines, Sites start = {})
+           FeatureLines lines, Beginning beginning = {})
       : surface_(surface),
         count_(count),
         options_(options),
         lines_(std::move(lines)),
-        solution_(std::move(start)) {}
+        given_(std::move(beginning.given)),
+        kept_(std::move(beginning.kept)),
+        solution_(std::move(beginning.free)) {}
 
   /// Take cells by distances along the surface, whose faces are to be smaller than the cells.
   void follow_surface() { along_ = std::make_shared<const CellsAlong>(surface_); }
@@ -47,7 +70,7 @@ class Remesher {
   void insist(Context* context);
 
   /// The best mesh, with its thin triangles made wider.
-  [[nodiscard]] RemeshResult result(Context* context) const;
+  [[nodiscard]] TracedMesh result(Context* context) const;
   [[nodiscard]] std::size_t flaws() const { return best_.violations.size(); }
 
   /// Per face the longest edge with which cells that are flawed have faces smaller than themselves.
@@ -60,10 +83,9 @@ class Remesher {
   /// Drop creases at which the topology cannot be reached, such as two that touch; then marked
   /// edges.
   bool drop_hopeless();
-  /// The spacing along lines where the density is 1. Where it varies, lines may lie where it is
-  /// largest; they get no more sites than all together.
-  [[nodiscard]] double line_spacing(std::size_t count) const;
   void solve(Context* context);
+  /// Space the given sites evenly from where they are.
+  void solve_given(Context* context);
   [[nodiscard]] ClassMinimum solve_anew(const SampleClass& all, Context* context) const;
   /// So many sites of the last solution: those farthest from places on lines, which may be their
   /// own; none if there are too few.
@@ -115,6 +137,8 @@ class Remesher {
   std::size_t count_;
   const RemeshOptions& options_;
   FeatureLines lines_;
+  RemeshSites given_;  // none: sites are to be found
+  KeptTriangles kept_;
   std::shared_ptr<const CellsAlong> along_;  // null: cells in space
   Sites solution_;                           // of the last solve(), those on lines first
   std::size_t solved_lines_ = 0;             // of them

@@ -74,7 +74,12 @@ std::vector<Violation> first_of_each(std::span<const Violation> violations) {
 
 }  // namespace
 
-void RemeshSites::add(const Sites& more, SiteKind kind, std::int32_t chain, bool pin) {
+bool RemeshSites::stay(const Face& triangle) const {
+  return std::ranges::all_of(triangle, [&](std::int32_t v) { return origins[as_index(v)].stays; });
+}
+
+void RemeshSites::add(const Sites& more, SiteKind kind, std::int32_t chain, bool pin,
+                      Origin origin) {
   for (std::size_t k = 0; k < more.size(); ++k) {
     sites.positions.push_back(more.positions[k]);
     sites.faces.push_back(more.faces[k]);
@@ -82,6 +87,7 @@ void RemeshSites::add(const Sites& more, SiteKind kind, std::int32_t chain, bool
     kinds.push_back(kind);
     chains.push_back(chain);
     pinned.push_back(pin);
+    origins.push_back(origin);
   }
 }
 
@@ -91,6 +97,7 @@ void RemeshSites::move(std::size_t site, const Sites& to, SiteKind kind, std::in
   sites.barycentric[site] = to.barycentric[0];
   kinds[site] = kind;
   chains[site] = chain;
+  origins[site].stays = false;
 }
 
 std::size_t mend(const Surface& surface, const FeatureLines& lines,
@@ -150,8 +157,7 @@ std::vector<bool> widened(std::span<const Face> triangles, std::vector<bool> mar
 std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites,
                      std::size_t skipped) {
   std::vector<bool> kept(sites.size());
-  for (std::size_t k = 0; k < sites.size(); ++k)
-    kept[k] = sites.pinned[k] || sites.kinds[k] != SiteKind::kFree;
+  for (std::size_t k = 0; k < sites.size(); ++k) kept[k] = sites.pinned[k] || !sites.is_free(k);
   kept = widened(dual.triangles, std::move(kept), 1);
   std::vector<double> areas(sites.size(), 0.0);
   std::vector<std::vector<std::int32_t>> neighbors(sites.size());
@@ -193,7 +199,7 @@ std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites,
   for (std::size_t k = 0; k < sites.size(); ++k)
     if (!gone[k])
       left.add({{sites.sites.positions[k]}, {sites.sites.faces[k]}, {sites.sites.barycentric[k]}},
-               sites.kinds[k], sites.chains[k], sites.pinned[k]);
+               sites.kinds[k], sites.chains[k], sites.pinned[k], sites.origins[k]);
   sites = std::move(left);
   return removed;
 }

@@ -8,15 +8,28 @@
 
 namespace dapple {
 
+/// What a site was in the mesh of the surface before.
+struct Origin {
+  std::int32_t vertex = -1;  ///< -1: it is new
+  bool stays = false;        ///< it does not move, because the surface around it is the same
+};
+
 /// The sites of a remesh, with what they may do.
 struct RemeshSites {
   Sites sites;
   std::vector<SiteKind> kinds;
   std::vector<std::int32_t> chains;  ///< of FeatureLines; -1 for those on none, or at corners
   std::vector<bool> pinned;          ///< added for the topology: it and its surroundings stay
+  std::vector<Origin> origins;
 
   [[nodiscard]] std::size_t size() const { return sites.size(); }
-  void add(const Sites& more, SiteKind kind, std::int32_t chain, bool pin);
+  /// Whether a site may go anywhere within its sheet.
+  [[nodiscard]] bool is_free(std::size_t site) const {
+    return kinds[site] == SiteKind::kFree && !origins[site].stays;
+  }
+  /// Whether all corners of a triangle stay.
+  [[nodiscard]] bool stay(const Face& triangle) const;
+  void add(const Sites& more, SiteKind kind, std::int32_t chain, bool pin, Origin origin = {});
   void move(std::size_t site, const Sites& to, SiteKind kind, std::int32_t chain);
 };
 

@@ -9,6 +9,8 @@
 namespace dapple::fuzz {
 namespace {
 
+constexpr double kMostVerticesNext = 200.0;  // other surfaces may be far larger
+
 RemeshOptions take_remesh_options(Bytes& bytes, const Surface& surface) {
   RemeshOptions options;
   take_options(bytes, options);
@@ -43,6 +45,26 @@ void expect_mesh(const Surface& surface, const RemeshResult& mesh) {
   EXPECT_EQ(mesh.report.euler, 2 * before.components - 2 * before.genus - before.border_loops);
 }
 
+/// The mesh of another surface after this one.
+void expect_next(const Surface& before, const RemeshResult& mesh, std::size_t count,
+                 RemeshOptions options, Bytes& bytes) {
+  const Shape shape = take_shape(bytes);
+  const auto surface = take_surface(bytes, shape);
+  if (!surface) return;
+  options.edges.clear();
+  const double capacity = std::max(before.capacity() / static_cast<double>(count),
+                                   surface->capacity() / kMostVerticesNext);
+  const auto made = answer_of_threads([&](int threads) {
+    options.threads = threads;
+    return remesh_next(before, mesh, *surface, capacity, options);
+  });
+  if (!made) return;
+  expect_mesh(*surface, made->mesh);
+  ASSERT_EQ(made->previous.size(), made->mesh.vertices.size());
+  for (const std::int32_t vertex : made->previous)
+    EXPECT_TRUE(vertex >= -1 && vertex < static_cast<std::int32_t>(mesh.vertices.size()));
+}
+
 }  // namespace
 
 void fuzz_remesh(Bytes& bytes) {
@@ -55,7 +77,9 @@ void fuzz_remesh(Bytes& bytes) {
     options.threads = threads;
     return remesh(*surface, count, options);
   });
-  if (made) expect_mesh(*surface, *made);
+  if (!made) return;
+  expect_mesh(*surface, *made);
+  if (bytes.one_in(2)) expect_next(*surface, *made, count, options, bytes);
 }
 
 }  // namespace dapple::fuzz
