@@ -11,6 +11,7 @@ import dapple3d as dapple
 import numpy as np
 
 from benchmarks.remesh.measure import Figures, euler_of, figures
+from benchmarks.remesh.sequences import table
 from benchmarks.remesh.worker import CONTENDERS, OF_PEERS, may_run
 
 MESHES = Path(__file__).resolve().parents[3] / "shared/data/meshes"
@@ -33,6 +34,9 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="benchmarks/remesh/run.sh", description=__doc__)
     parser.add_argument("--only", nargs="+", choices=[*CONTENDERS], help="these packages")
     parser.add_argument("--mesh", nargs=2, metavar=("FILE", "COUNT"), help="this mesh alone")
+    parser.add_argument(
+        "--sequences", action="store_true", help="bodies whose faces change, frame after frame"
+    )
     parser.add_argument("--peers-python", default=sys.executable, help=argparse.SUPPRESS)
     return parser.parse_args()
 
@@ -69,6 +73,9 @@ def remeshed(python: str, package: str, path: Path, count: int) -> str:
 
 def main() -> int:
     chosen = arguments()
+    if chosen.sequences:
+        table(MESHES)
+        return 0
     if chosen.mesh:
         meshes = {Path(chosen.mesh[0]): int(chosen.mesh[1])}
     else:

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sets up what is missing, then remeshes meshes by Dapple and by other packages and judges the results alike: a Markdown table.
-#   benchmarks/remesh/run.sh [--only dapple pyacvd ...] [--mesh FILE COUNT] [--help]
+#   benchmarks/remesh/run.sh [--only dapple pyacvd ...] [--mesh FILE COUNT] [--sequences] [--help]
 # The packages go to the environment of benchmarks/peers, in build/peers. One that cannot be installed is left out. A program
 # `vorpalite` of geogram takes part if there is one; CGAL's is compiled to build/peers/dapple_isotropic.
 here=$PWD

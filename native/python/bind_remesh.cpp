@@ -32,18 +32,35 @@ inline void check_members(const RemeshResult& r) {
 namespace dapple::python {
 namespace {
 
+std::vector<std::array<std::int32_t, 2>> edges_of(const py::object& edges) {
+  std::vector<std::array<std::int32_t, 2>> result;
+  if (edges.is_none()) return result;
+  const IntArray rows = integers("edges", edges, 2);
+  for (py::ssize_t k = 0; k < rows.shape(0); ++k) result.push_back({rows.at(k, 0), rows.at(k, 1)});
+  return result;
+}
+
 std::shared_ptr<RemeshResult> remesh_surface(const Surface& surface, Count count,
                                              const py::kwargs& keywords) {
   const Keywords given(kRemesh, keywords, {"edges", "context"});
   RemeshOptions options = given.options();
-  if (const py::object edges = given.other("edges"); !edges.is_none()) {
-    const IntArray rows = integers("edges", edges, 2);
-    for (py::ssize_t k = 0; k < rows.shape(0); ++k)
-      options.edges.push_back({rows.at(k, 0), rows.at(k, 1)});
-  }
+  options.edges = edges_of(given.other("edges"));
   const ContextPtr context = given.context();
   return run(context, [&](Context* watched) {
     return std::make_shared<RemeshResult>(remesh(surface, count, options, watched));
+  });
+}
+
+std::shared_ptr<NextRemesh> remesh_next_surface(const Surface& before, const RemeshResult& mesh,
+                                                const Surface& surface, double capacity,
+                                                const py::kwargs& keywords) {
+  const Keywords given(kRemeshNext, keywords, {"edges", "context"});
+  RemeshOptions options = given.options();
+  options.edges = edges_of(given.other("edges"));
+  const ContextPtr context = given.context();
+  return run(context, [&](Context* watched) {
+    return std::make_shared<NextRemesh>(
+        remesh_next(before, mesh, surface, capacity, options, watched));
   });
 }
 
@@ -103,6 +120,51 @@ void bind_report(py::module_& m) {
           "profile", [](const RemeshReport& r) { return profile_dict(r.profile); },
           "A dict of seconds by stage, which sum to `seconds`.")
       .def("to_dict", &to_dict, "All of it as a dict that json can write.");
+}
+
+void bind_next(py::module_& m) {
+  py::class_<NextRemesh, std::shared_ptr<NextRemesh>>(
+      m, "NextRemesh", "The mesh of the next surface of a sequence. See remesh_next().")
+      .def_property_readonly(
+          "mesh",
+          [](const std::shared_ptr<NextRemesh>& next) {
+            return std::shared_ptr<RemeshResult>(next, &next->mesh);
+          },
+          "The RemeshResult.")
+      .def_property_readonly("previous", array_property(&NextRemesh::previous),
+                             "(n,) int32: per vertex, the vertex of the mesh before that it was; "
+                             "-1 for a new one.")
+      .def_readonly("kept", &NextRemesh::kept,
+                    "Number of vertices that have not moved, because the surface around is the "
+                    "same.");
+  def_verb(
+      m, kRemeshNext, &remesh_next_surface,
+      R"(remesh_next(before: Surface, mesh: RemeshResult, surface: Surface, capacity: float, *, {signature}, edges: numpy.ndarray | None = None, context: Context | None = None) -> NextRemesh
+
+The mesh of the next surface of a sequence, whose faces may be others: fluids, torn, carved and built bodies.
+
+Where the surface is the same as before, vertices stay exactly where they are, and so do their triangles. Other vertices
+move along with it, each to the nearest place on its side that is not far; where surface appears or is gone, vertices
+come and go. The spacing is that of the first mesh: the number of vertices changes with the area. MeshSequence calls
+this for one surface after another.
+
+Args:
+    before: the Surface that mesh is made from.
+    mesh: its RemeshResult.
+    surface: the next Surface.
+    capacity: of a vertex, > 0: the first surface's capacity, divided by the number of its vertices.
+    {options}
+    edges: (k, 2) int32: edges of the next surface that stay besides creases and borders.
+    context: a Context for progress and cancel.
+
+Returns:
+    NextRemesh.
+
+Raises:
+    ValueError: naming the option or capacity out of range, or the first of edges that is none; if mesh is not of the
+        surface before.
+    Cancelled: through the context.)",
+      py::arg("before"), py::arg("mesh"), py::arg("surface"), py::arg("capacity"));
 }
 
 }  // namespace
@@ -176,6 +238,7 @@ Raises:
     ValueError: naming the option or count out of range, or the first of edges that is none.
     Cancelled: through the context.)",
       py::arg("surface"), py::arg("count"));
+  bind_next(m);
 }
 
 }  // namespace dapple::python

@@ -13,7 +13,7 @@ namespace dapple::python {
 /// A function of the package, or a class, whose options are those of a struct.
 template <class Struct>
 struct Verb {
-  using Names = std::array<std::string_view, 4>;
+  using Names = std::array<std::string_view, 5>;
 
   const char* name;
   Names without = {};  ///< options of the struct that it does not have
@@ -44,13 +44,15 @@ inline constexpr Verb<StippleOptions> kStippleInks = {
     "stipple_inks", {"max_slide", "stickiness", "slide_smoothing", "method"}};
 inline constexpr Verb<MosaicOptions> kMosaic = {"mosaic"};
 inline constexpr Verb<RemeshOptions> kRemesh = {"remesh", kSample.without};
+inline constexpr Verb<RemeshOptions> kRemeshNext = {
+    "remesh_next", {"max_slide", "stickiness", "slide_smoothing", "adaptive", "non_manifold"}};
 inline constexpr Verb<SymmetryOptions> kSampleSymmetric = {"sample_symmetric", kSample.without};
 inline constexpr Verb<LineOptions> kSampleLines = {"sample_lines"};
 inline constexpr Verb<ImageOptions> kRefineImage = {"refine_image"};
 
 inline constexpr std::tuple kVerbs = {
-    kSample,  kResample,        kRelax,       kSampleClasses, kEvaluateEnergy, kAnalyze,
-    kTracker, kPopulation,      kTrackWindow, kWindowTracker, kStippleInks,    kMosaic,
-    kRemesh,  kSampleSymmetric, kSampleLines, kRefineImage};
+    kSample,  kResample,   kRelax,           kSampleClasses, kEvaluateEnergy, kAnalyze,
+    kTracker, kPopulation, kTrackWindow,     kWindowTracker, kStippleInks,    kMosaic,
+    kRemesh,  kRemeshNext, kSampleSymmetric, kSampleLines,   kRefineImage};
 
 }  // namespace dapple::python

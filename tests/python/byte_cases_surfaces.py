@@ -88,6 +88,18 @@ def remesh_moving(run: Run) -> None:
 
 
 @case
+def remesh_sequence(run: Run) -> None:
+    vertices, faces = BOX
+    sequence = dapple.MeshSequence(run.surface(BOX), 300, threads=run.threads)
+    for frame in range(1, 4):
+        dented = vertices.copy()
+        dented[:, 2] -= 0.1 * frame * np.maximum(vertices[:, 0] - 0.3, 0.0)
+        found = sequence.advance(dapple.Surface(dented, faces[: len(faces) - frame]))
+        run.keep(source_faces=found.mesh.source_faces, barycentric=found.mesh.barycentric)
+        run.keep(faces=found.mesh.faces, ids=found.ids)
+
+
+@case
 def ranks(run: Run) -> None:
     points = dapple.sample(run.surface(TORUS), 800, threads=run.threads).positions
     run.keep(

@@ -277,6 +277,9 @@ CALLS = {
     "stipple_inks": lambda **k: dapple.stipple_inks([[[1.0, 1.0]]], 2, **k),
     "mosaic": lambda **k: dapple.mosaic(SURFACE, two(), **k),
     "remesh": lambda **k: dapple.remesh(SURFACE, 4, **k),
+    "remesh_next": lambda **k: dapple.remesh_next(
+        SURFACE, dapple.remesh(SURFACE, 4), SURFACE, 0.25, **k
+    ),
     "sample_symmetric": lambda **k: dapple.sample_symmetric(
         SURFACE, 4, **{"point": SURFACE.vertices.mean(axis=0), **k}
     ),

@@ -22,6 +22,7 @@ from ._native import (
     RemeshReport,
     RemeshResult,
     Option,
+    NextRemesh,
     PlanarSamples,
     Plane,
     Population,
@@ -56,6 +57,7 @@ from ._native import (
     mix_inks,
     mosaic,
     remesh,
+    remesh_next,
     nearest_distances,
     option_table,
     progressive_ranks,
@@ -82,6 +84,7 @@ from ._native import (
     write_mesh,
 )
 from . import density  # noqa: F401  found as dapple3d.density without an import
+from ._mesh_sequence import MeshSequence, SequenceMesh
 from ._moving_mesh import MeshTracker, MovedMesh
 from ._pieces import track_pieces
 from .stippling import Dots, stipple
@@ -102,9 +105,11 @@ __all__ = [
     "FlatDomain",
     "LineSamples",
     "MeshArrays",
+    "MeshSequence",
     "MeshTracker",
     "Mosaic",
     "MovedMesh",
+    "NextRemesh",
     "Option",
     "PlanarSamples",
     "Plane",
@@ -118,6 +123,7 @@ __all__ = [
     "Report",
     "SampleClass",
     "Samples",
+    "SequenceMesh",
     "Spectrum",
     "Stipples",
     "Surface",
@@ -152,6 +158,7 @@ __all__ = [
     "refine_outside",
     "relax",
     "remesh",
+    "remesh_next",
     "resample",
     "sample",
     "sample_classes",

@@ -296,6 +296,14 @@ class RemeshReport:
     def profile(self) -> dict[str, float]: ...
     def to_dict(self) -> dict[str, Any]: ...
 
+class NextRemesh:
+    @property
+    def mesh(self) -> RemeshResult: ...
+    @property
+    def previous(self) -> NDArray[np.int32]: ...
+    @property
+    def kept(self) -> int: ...
+
 class RemeshResult:
     def __len__(self) -> int: ...
     @property
@@ -761,6 +769,25 @@ def remesh(
     edges: ArrayLike | None = None,
     context: Context | None = None,
 ) -> RemeshResult: ...
+def remesh_next(
+    before: Surface,
+    mesh: RemeshResult,
+    surface: Surface,
+    capacity: float,
+    *,
+    seed: int = 0,
+    feature_angle: float = 30.0,
+    max_distance: float = 0.0,
+    capacity_weight: float = 0.3,
+    repulsion_weight: float = 0.0,
+    tolerance: float = 0.0005,
+    max_evaluations: int = 80,
+    method: Literal["trust_region", "line_search"] = "trust_region",
+    cells: Literal["connected", "euclidean"] = "connected",
+    threads: int = 0,
+    edges: ArrayLike | None = None,
+    context: Context | None = None,
+) -> NextRemesh: ...
 def analyze(
     surface: Surface,
     samples: Samples | ArrayLike,

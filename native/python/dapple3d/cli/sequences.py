@@ -121,6 +121,18 @@ def _numbered(path: Path, arrays: Arrays) -> Frames:
     return frames
 
 
+def first_with_faces(frames: Frames) -> int:
+    """The number of the first frame that has faces.
+
+    Raises:
+        ClickException: naming the frames, if there is none.
+    """
+    begin = next((k for k, (_, mesh) in enumerate(frames) if len(mesh.faces)), None)
+    if begin is None:
+        raise click.ClickException(f"{frames[0][0]}: holds no faces, nor does any later frame")
+    return begin
+
+
 def with_same_faces(frames: Frames) -> Frames:
     """The frames with the faces of the first.
 

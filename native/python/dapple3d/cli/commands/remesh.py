@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import click
@@ -20,6 +21,17 @@ from dapple3d.writing import replacing, write_npz
 
 MESHES = (".off", ".obj", ".ply", ".stl")  # write_mesh() knows them
 MOVING = ("vertices", "source_faces", "barycentric")
+EMPTY_PLY = """\
+ply
+format ascii 1.0
+element vertex 0
+property double x
+property double y
+property double z
+element face 0
+property list uchar int vertex_indices
+end_header
+"""
 ARRAYS = ("vertices", "faces", "source_faces", "barycentric", "features", "lines")
 
 
@@ -63,6 +75,11 @@ def command(
     evenly spaced on each frame. OUT is an .npz: 'vertices' (frames, n, 3), 'source_faces' (frames,
     n), 'barycentric' (frames, n, 3), the same 'faces' for all, and 'reports' (frames,), JSON.
 
+    Where the polygons differ from frame to frame, as of fluids, each frame has a mesh of its own:
+    vertices stay where the surface does not change, and the spacing is that of the first one. OUT
+    is then a folder, of one .ply for each frame, or an .npz of 'vertices_0', 'faces_0', 'ids_0'
+    (the same number is the same vertex), 'source_faces_0', 'barycentric_0', 'features_0' and so on.
+
     \b
     Examples:
       dapple remesh bunny.ply even.ply -n 10000
@@ -70,14 +87,21 @@ def command(
       dapple remesh part.stl even.obj -n 2000 --max-distance 0.01
       dapple remesh scan.ply near.ply -n 10000 --adaptive
       dapple remesh walk.npz even.npz -n 5000
+      dapple remesh splash_meshes even_meshes -n 5000
     """
     reporter = Reporter(json_out, quiet)
-    check_extension(out)
     options.check_amount(count, spacing)
-    motion = motion_of(mesh)
-    check_motion(motion, out, least_angle)
+    motion, changing = motion_of(mesh)
+    check_extension(out, changing)
+    check_motion(motion, changing, out, least_angle)
+    if changing:
+        check_of_frames({"density": density} | options.given(chosen))
     files = sequences.files_of([mesh])
     check_outputs([*files, options.density_file(density)], [out, reporter.file])
+    if changing:
+        amount = (count, spacing)
+        remesh_all(reporter, mesh, out, motion, amount, surface_options, profile, chosen)
+        return
     first = replace(motion[0][1], path=mesh) if motion else meshes.read_mesh(mesh)
     loaded = meshes.load(first, density, density_at, surface_options)
     count = options.counted(loaded.surface, count, spacing)
@@ -107,9 +131,11 @@ def command(
         reporter.show_profile([made.report])
 
 
-def check_extension(path: Path) -> None:
-    """Raise ClickException unless a mesh can be written to the file."""
+def check_extension(path: Path, changing: bool) -> None:
+    """Raise ClickException unless a mesh, or all meshes, can be written to the file."""
     suffix = path.suffix.lower()
+    if changing and not suffix:
+        return
     if suffix not in (*MESHES, ".npz"):
         known = listed((*MESHES, ".npz"))
         raise click.ClickException(
@@ -117,35 +143,165 @@ def check_extension(path: Path) -> None:
         )
 
 
-def motion_of(path: Path) -> sequences.Frames:
-    """The frames of a motion, all with the faces of the first; none if the file is one mesh.
+def motion_of(path: Path) -> tuple[sequences.Frames, bool]:
+    """The frames of a motion, and whether they have polygons of their own; no frames if the file is
+    one mesh. Otherwise all have the faces of the first.
 
     Raises:
         ClickException: naming the file or frame and what is wrong with it.
     """
     if not path.is_dir():
         if path.suffix.lower() != ".npz":
-            return []
+            return [], False
         arrays = load_npz(path)
         numbered = any(sequences.NUMBERED.fullmatch(name) for name in arrays)
         if not numbered and np.ndim(arrays.get("vertices", 0)) != 3:
-            return []
-    return sequences.with_same_faces(sequences.read(sequences.files_of([path])))
+            return [], False
+    frames = sequences.read(sequences.files_of([path]), may_be_empty=True)
+    sequences.first_with_faces(frames)
+    try:
+        return sequences.with_same_faces(frames), False
+    except click.ClickException:
+        return frames, True
 
 
-def check_motion(motion: sequences.Frames, out: Path, least_angle: float | None) -> None:
+def check_motion(
+    motion: sequences.Frames, changing: bool, out: Path, least_angle: float | None
+) -> None:
     """Refuse what does not fit a motion, or has no effect without one.
 
     Raises:
-        UsageError: an angle without frames.
-        ClickException: frames that are not written as npz.
+        UsageError: an angle without frames of the same faces.
+        ClickException: frames that are not written as npz, or into a folder.
     """
-    if motion and out.suffix.lower() != ".npz":
-        raise click.ClickException(f"{out}: the meshes of all frames are written as .npz")
-    if least_angle is not None and not motion:
-        raise click.UsageError(
-            "--least-angle needs a motion: a folder of meshes, or an .npz of all"
+    if changing and out.suffix.lower() not in ("", ".npz"):
+        raise click.ClickException(
+            f"{out}: the frames have different polygons, so that their meshes are written into a "
+            "folder, or as .npz"
         )
+    if motion and not changing and out.suffix.lower() != ".npz":
+        raise click.ClickException(f"{out}: the meshes of all frames are written as .npz")
+    if least_angle is not None and (changing or not motion):
+        raise click.UsageError(
+            "--least-angle needs a motion: a folder of meshes with the same polygons, or an .npz "
+            "of all"
+        )
+
+
+def check_of_frames(given: dict[str, Any]) -> None:
+    """Raise UsageError for an option that frames with different polygons do not have."""
+    known = {one.name for one in dapple.option_table("remesh_next")}
+    for name, value in given.items():
+        if value is not None and name not in known:
+            raise click.UsageError(
+                f"--{name.replace('_', '-')} is of one mesh, but the frames have different polygons"
+            )
+
+
+def remesh_all(
+    reporter: Reporter,
+    source: Path,
+    out: Path,
+    motion: sequences.Frames,
+    amount: tuple[int | None, float | None],
+    surface_options: meshes.SurfaceOptions,
+    profile: bool,
+    chosen: dict[str, Any],
+) -> None:
+    """Remesh frames whose polygons differ, and write and report all.
+
+    Args:
+        amount: count and spacing, one of which is given.
+        chosen: options of the library that are given, or None.
+    """
+    given = options.given(chosen)
+    begin = sequences.first_with_faces(motion)
+    loaded = meshes.load(
+        replace(motion[begin][1], path=Path(motion[begin][0])), options=surface_options
+    )
+    count = options.counted(loaded.surface, *amount)
+    with Work("remeshing", steps=len(motion), quiet=reporter.quiet) as work:
+        sequence = work.run(partial(dapple.MeshSequence, loaded.surface, count, **given))
+        found: list[dapple.SequenceMesh | None] = [None] * begin + [sequence.first]
+        for name, mesh in motion[begin + 1 :]:
+            surface = None
+            if len(mesh.faces):
+                surface = meshes.load(
+                    replace(mesh, path=Path(name)), options=surface_options
+                ).surface
+            with about(name):
+                found.append(work.run(partial(sequence.advance, surface)))
+    if out.suffix:
+        write_changing(out, found)
+    else:
+        write_folder(out, motion, found)
+    made = [one for one in found if one is not None]
+    reporter.store(
+        "remesh",
+        input=loaded.describe() | {"frames": [name for name, _ in motion]},
+        output=str(out),
+        settings={
+            "count": count,
+            **options.given({"spacing": amount[1]}),
+            **options.library_defaults("remesh_next"),
+            **given,
+        },
+        frames=[one.figures() if one else {} for one in found],
+    )
+    reporter.say(f"{out}: {sequence_figures(found)}{loaded.doubled()}")
+    if profile:
+        reporter.show_profile([one.mesh.report for one in made])
+
+
+def write_changing(path: Path, frames: Sequence[dapple.SequenceMesh | None]) -> None:
+    """The meshes of all frames as one npz; the file is complete or not written."""
+    arrays: dict[str, Any] = {}
+    for k, frame in enumerate(frames):
+        if frame is None:
+            arrays |= {f"vertices_{k}": np.empty((0, 3)), f"faces_{k}": np.empty((0, 3), np.int32)}
+            continue
+        arrays |= {f"{name}_{k}": np.asarray(getattr(frame.mesh, name)) for name in ARRAYS}
+        arrays[f"ids_{k}"] = frame.ids
+    arrays["reports"] = np.array([json.dumps(one.figures() if one else {}) for one in frames])
+    with replacing(path) as file:
+        write_npz(file, arrays)
+
+
+def write_folder(
+    path: Path, motion: sequences.Frames, frames: Sequence[dapple.SequenceMesh | None]
+) -> None:
+    """One PLY file for each frame, with the name of its file; those of an npz are numbered. The
+    folder is complete or not written.
+    """
+    width = len(str(len(frames) - 1))
+    with TemporaryDirectory(dir=path.parent) as draft:
+        folder = Path(draft) / "meshes"
+        folder.mkdir()
+        for k, ((name, mesh), frame) in enumerate(zip(motion, frames, strict=True)):
+            stem = Path(name).stem if str(mesh.path) == name else f"{k:0{width}}"
+            file = folder / f"{stem}.ply"
+            if frame is None:
+                file.write_text(EMPTY_PLY, encoding="ascii")
+            else:
+                dapple.write_mesh(file, frame.mesh.vertices, frame.mesh.faces)
+        folder.rename(path)
+
+
+def sequence_figures(frames: Sequence[dapple.SequenceMesh | None]) -> str:
+    """How many vertices the frames have, how many stay, and what is not as asked."""
+    made = [one for one in frames if one is not None]
+    counts = [len(one.ids) for one in made]
+    later = sum(counts[1:])
+    kept = 100 * sum(one.kept for one in made[1:]) / later if later else 100
+    worst = min(one.mesh.report.smallest_angle for one in made)
+    words = (
+        f"{len(frames)} frames with {min(counts)} to {max(counts)} vertices, of which {kept:.0f} % "
+        f"stay from frame to frame, angles from {worst:.1f} degrees"
+    )
+    flaws = sum(one.mesh.report.flaws for one in made)
+    if flaws:
+        words += f"; in {flaws} places of all frames the topology is not that of the surface"
+    return words
 
 
 def follow(

@@ -126,7 +126,7 @@ def command(
     motion = sequences.read(files, may_be_empty=keep_density)
     if not keep_density:
         motion = sequences.with_same_faces(motion)
-    begin = first_with_faces(motion)
+    begin = sequences.first_with_faces(motion)
     loaded = meshes.load(
         replace(motion[begin][1], path=Path(motion[begin][0])),
         options=surface_options,
@@ -216,18 +216,6 @@ def check_over_time(outside_over_time: str | None, together: bool, masks: Masks)
         raise click.UsageError("--outside-over-time needs --outside")
     if outside_over_time == EACH_FRAME and together:
         raise click.UsageError(f"{EACH_FRAME} goes frame by frame, so not with --together")
-
-
-def first_with_faces(motion: Frames) -> int:
-    """The number of the first frame that points can stand on.
-
-    Raises:
-        ClickException: naming the frames, if there is none.
-    """
-    begin = next((k for k, (_, mesh) in enumerate(motion) if len(mesh.faces)), None)
-    if begin is None:
-        raise click.ClickException(f"{motion[0][0]}: holds no faces, nor does any later frame")
-    return begin
 
 
 def of_last(results: Sequence[Any]) -> str:
