@@ -76,12 +76,14 @@ def remeshed(old: OldMesh, count: int, options: Options, context: Any) -> NewMes
     if len(old.faces) == 0:
         raise ScatterError(f"'{old.name}' has no faces: a new mesh needs a surface")
     with named(old.name):
-        surface = _with_density(package().Surface(old.vertices, old.faces), old)
+        surface = surface_of(old)
         made = package().remesh(surface, count, edges=old.lines, context=context, **options)
-        return _with_sources(surface, old, made, options["max_distance"])
+        return with_sources(surface, old, made, options["max_distance"])
 
 
-def _with_density(surface: Any, old: OldMesh) -> Any:
+def surface_of(old: OldMesh) -> Any:
+    """The package's Surface with the density. ScatterError if that is 0 everywhere."""
+    surface = package().Surface(old.vertices, old.faces)
     if old.density is None:
         return surface
     most = old.density.max()
@@ -91,7 +93,8 @@ def _with_density(surface: Any, old: OldMesh) -> Any:
     return surface.with_density(values, density_at=at)
 
 
-def _with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) -> NewMesh:
+def with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) -> NewMesh:
+    """What the package's remesh() of that surface has made, and its places on the old mesh."""
     faces, vertices = np.array(made.faces), np.array(made.vertices)
     middles = vertices[faces].mean(axis=1)
     face_source = package().project(surface, middles).faces

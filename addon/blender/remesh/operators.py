@@ -8,6 +8,7 @@ import bpy
 
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps, Task
+from ...core.mesh_sequence import MeshSequence
 from ...core.moving_mesh import MovingMesh
 from ...core.remesh import NewMesh, Options, remeshed
 from ..base.all_or_nothing import Status, all_or_nothing
@@ -21,6 +22,7 @@ from ..surface.polls import free
 from ..surface.values import matching_names
 from .motion import motion_steps
 from .reading import read_old
+from .sequence import sequence_steps
 from .writing import replace_mesh, write_new
 
 _MOST = 10_000_000
@@ -108,18 +110,24 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
                 "The new mesh gets a shape key for each frame, with evenly spaced vertices in "
                 "each. Modifiers that are shown are contained in the keys and removed",
             ),
+            (
+                "SEQUENCE",
+                "Bake to Sequence",
+                "A new object shows a new mesh on each frame, also where faces change as in a "
+                "fluid; vertices stay where the surface does not change. The old object is hidden",
+            ),
         ),
         default="KEEP",
     )
     frame_start: bpy.props.IntProperty(
         name="Start",
-        description="First frame of the shape keys, whose mesh is remeshed",
+        description="First frame that is baked, whose mesh is remeshed",
         default=1,
         **_FRAME,
     )
     frame_end: bpy.props.IntProperty(
         name="End",
-        description="Last frame of the shape keys",
+        description="Last frame that is baked",
         default=250,
         **_FRAME,
     )
@@ -157,9 +165,14 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in ("count", "feature_angle", "density", "adaptive", "max_distance", "animation"):
+        for name in ("count", "feature_angle", "density"):
             layout.prop(self, name)
-        if self.animation == "SHAPE_KEYS":
+        row = layout.row()
+        row.enabled = self.animation != "SEQUENCE"
+        row.prop(self, "adaptive")
+        layout.prop(self, "max_distance")
+        layout.prop(self, "animation")
+        if self.animation != "KEEP":
             column = layout.column(align=True)
             column.prop(self, "frame_start")
             column.prop(self, "frame_end")
@@ -182,9 +195,10 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
             "max_distance": self.max_distance,
             "adaptive": self.adaptive,
         }
-        if self.animation == "SHAPE_KEYS":
+        if self.animation != "KEEP":
+            bake = motion_steps if self.animation == "SHAPE_KEYS" else sequence_steps
             frames = self._frames(context)
-            return motion_steps(context, context.object, self.count, self.density, options, frames)
+            return bake(context, context.object, self.count, self.density, options, frames)
         return remesh_steps(context.object, self.count, self.density, options)
 
     def watched(self, context: bpy.types.Context) -> dict[int, str]:
@@ -194,6 +208,8 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
         if isinstance(result, MovingMesh):
             return Outcome(obj, [*_messages(obj.name, result.new), _motion_message(result)])
+        if isinstance(result, MeshSequence):
+            return Outcome(obj, _sequence_messages(obj.name, result))
         return Outcome(obj, _messages(obj.name, result))
 
 
@@ -240,6 +256,27 @@ def _motion_message(moving: MovingMesh) -> tuple[str, str]:
         flipped=worst.flipped,
     )
     return "WARNING" if worst.flipped else "INFO", text
+
+
+def _sequence_messages(name: str, sequence: MeshSequence) -> Messages:
+    """The messages about a mesh for each frame."""
+    least, most = sequence.counts
+    text = translated_report(
+        "'{name}': {frames:,} frames with {least:,} to {most:,} vertices, of which {kept:.0f} % "
+        "stay from frame to frame",
+        name=name,
+        frames=len(sequence.meshes),
+        least=least,
+        most=most,
+        kept=100 * sequence.kept,
+    )
+    if not sequence.flaws:
+        return [("INFO", text)]
+    flaws = translated_report(
+        "In {count:,} places the new mesh is connected differently from the old one",
+        count=sequence.flaws,
+    )
+    return [("INFO", text), ("WARNING", flaws)]
 
 
 def _more_vertices(new: NewMesh) -> Messages:

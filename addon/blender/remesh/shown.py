@@ -79,7 +79,7 @@ def read_next(handle: ObjectHandle, frame: int, first: Shown, first_frame: int) 
     if not shown.has_faces_of(first):
         raise ScatterError(
             f"'{obj.name}' has other faces in frame {frame} than in frame {first_frame}: shape "
-            "keys need the same ones. Choose frames in which they stay"
+            "keys need the same ones. Choose frames in which they stay, or Bake to Sequence"
         )
     return shown
 
