@@ -30,14 +30,14 @@ YAW = (30.0, 0.0)
 def add_body(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> None:
     mesh = bpy.data.meshes.new("Body")
     mesh.from_pydata(vertices.tolist(), [], faces.tolist())
-    mesh.materials.append(material("Body", 0.25))
+    mesh.materials.append(material("Body", (0.25, 0.25, 0.25)))
     bpy.context.scene.collection.objects.link(bpy.data.objects.new("Body", mesh))
 
 
 def add_balls(positions: NDArray[np.float64]) -> None:
     bpy.ops.mesh.primitive_ico_sphere_add(radius=RADIUS, subdivisions=2)
     mesh = bpy.context.object.data
-    mesh.materials.append(material("Balls", 0.0))
+    mesh.materials.append(material("Balls", (0.0, 0.0, 0.0)))
     shader = mesh.materials[0].node_tree.nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (0.8, 0.08, 0.02, 1.0)
     for at in positions:

@@ -126,6 +126,12 @@ WITH_OPTIONS: dict[str, tuple[Call, dict[str, Any]]] = {
         {},
     ),
     "remesh": (lambda **given: dapple.remesh(ground(), **given), {"count": 9}),
+    "remesh_next": (
+        lambda **given: dapple.remesh_next(
+            ground(), dapple.remesh(ground(), 9), ground(), **given
+        ).mesh,
+        {"capacity": 0.5},
+    ),
     "sample_symmetric": (
         lambda **given: dapple.sample_symmetric(ground(), **{"max_mirror_error": 1.0, **given}),
         {"count": 9},
