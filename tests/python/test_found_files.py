@@ -409,6 +409,22 @@ def test_gltf_skinned_meshes_stand_as_their_joints_do(tmp_path):
     np.testing.assert_allclose(found.vertices[:, 0], [0, 1, 1, 0])
 
 
+@pytest.mark.parametrize("weight", [np.nan, 0.0])
+def test_gltf_vertices_without_weights_follow_the_first_joint(tmp_path, weight):
+    # FBX2glTF writes NaN, which is zero by zero, where an artist has painted no weights
+    scene = Scene()
+    attributes = {
+        "JOINTS_0": scene.array(np.zeros((4, 4)), "u1"),
+        "WEIGHTS_0": scene.array([[1, 0, 0, 0]] * 3 + [[weight] * 4]),
+    }
+    mesh = scene.mesh(SQUARE, HALVES, attributes=attributes)
+    scene.add("skins", joints=[1])
+    scene.add("nodes", mesh=mesh, skin=0)
+    scene.add("nodes", scale=[100, 100, 100])
+    found = dapple.read_mesh(scene.save(tmp_path / "scene.glb", roots=(0, 1)))
+    np.testing.assert_allclose(found.vertices[:, [0, 2]], 100 * np.array(SQUARE)[:, :2])
+
+
 def test_gltf_instances_of_a_mesh_are_there(tmp_path):
     scene = Scene()
     places = scene.array([[0, 0, 0], [3, 0, 0], [6, 0, 0]])
@@ -427,6 +443,27 @@ def test_gltf_of_draco_says_so(tmp_path):
     path = scene.save(tmp_path / "scene.glb")
     said = refused("sample", path, tmp_path / "out.csv", "-n", 10)
     assert f"{path}: its meshes are compressed by Draco (KHR_draco_mesh_compression)" in said
+
+
+def test_gltf_of_meshoptimizer_says_so(tmp_path):
+    # gltfpack gives the buffer that decompression would fill no bytes
+    scene = Scene()
+    scene.add("nodes", mesh=scene.mesh(SQUARE, HALVES))
+    scene.tree["extensionsRequired"] = ["EXT_meshopt_compression"]
+    path = scene.save(tmp_path / "scene.gltf")
+    tree = json.loads(path.read_text())
+    fallback = {"EXT_meshopt_compression": {"fallback": True}}
+    tree["buffers"].append({"byteLength": 96, "extensions": fallback})
+    path.write_text(json.dumps(tree))
+    said = refused("sample", path, tmp_path / "out.csv", "-n", 10)
+    assert f"{path}: its meshes are compressed by meshoptimizer (EXT_meshopt_compression)" in said
+
+
+def test_gltf_of_the_first_version_says_so(tmp_path):
+    path = tmp_path / "scene.gltf"
+    path.write_text('{"asset": {"version": "1.0"}, "nodes": {"box": {}}, "scenes": {}}')
+    said = refused("sample", path, tmp_path / "out.csv", "-n", 10)
+    assert f"{path}: is of glTF 1.0, which is not read: save it as glTF 2.0" in said
 
 
 @pytest.mark.parametrize("content", [b"", b"glTF", b"{}", b"[]", b'{"nodes": [{"children": [0]}]}'])

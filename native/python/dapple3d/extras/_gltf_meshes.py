@@ -193,23 +193,30 @@ def _skinned(
     if "inverseBindMatrices" in skin:
         inverse = document.array(skin["inverseBindMatrices"]).reshape(-1, 4, 4)
         joints = joints @ inverse[: len(joints)].swapaxes(1, 2)
-    attributes = primitive["attributes"]
+    which, weights = _bound(document, primitive["attributes"])
     total: Any = 0.0
-    summed: Any = 0.0
+    for joint, weight in zip(which.T, weights.T, strict=True):
+        total = total + weight[:, None, None] * joints[joint]
+    matrices: Floats = total / weights.sum(axis=1)[:, None, None]
+    return matrices
+
+
+def _bound(document: Document, attributes: dict[str, int]) -> tuple[NDArray[np.int64], Floats]:
+    """Joints of the vertices and their weights; those without weights follow their first joint, as
+    in Blender and three.js.
+    """
+    which, weights = list[NDArray](), list[NDArray]()
     for k in range(len(attributes)):
         if f"JOINTS_{k}" not in attributes or f"WEIGHTS_{k}" not in attributes:
             break
-        which = _rows(document, attributes[f"JOINTS_{k}"], 4).astype(np.int64)
-        weights = _rows(document, attributes[f"WEIGHTS_{k}"], 4)
-        for joint, weight in zip(which.T, weights.T, strict=True):
-            total = total + weight[:, None, None] * joints[joint]
-            summed = summed + weight
-    if np.ndim(summed) == 0:
+        which.append(_rows(document, attributes[f"JOINTS_{k}"], 4))
+        weights.append(_rows(document, attributes[f"WEIGHTS_{k}"], 4))
+    if not which:
         raise ValueError("a skinned mesh has no JOINTS_0 and WEIGHTS_0")
-    safe = np.where(summed > 0.0, summed, 1.0)
-    matrices: Floats = total / safe[:, None, None]
-    matrices[summed <= 0.0] = np.eye(4)
-    return matrices
+    found = np.concatenate(weights, axis=1)
+    found[np.isnan(found)] = 0.0
+    found[found.sum(axis=1) <= 0.0] = np.eye(1, found.shape[1])
+    return np.concatenate(which, axis=1).astype(np.int64), found
 
 
 def _placed(part: dict[str, NDArray], matrices: Floats) -> dict[str, NDArray]:

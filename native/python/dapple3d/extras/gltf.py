@@ -52,6 +52,8 @@ COUNTING = {
 }
 # Extensions whose integers have another meaning.
 UNKNOWN = {"EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_materials_variants"}
+# Extensions whose buffers have no bytes: decompressing others fills them.
+FALLBACKS = {"EXT_meshopt_compression", "KHR_meshopt_compression"}
 MERGED = ("bufferViews", "accessors", "images", "samplers", "textures", "materials", "meshes")
 
 
@@ -591,8 +593,14 @@ def load(path: Path) -> Document:
     """
     content = path.read_bytes()
     with reading(path):
-        tree, blob = _chunks(content) if content[:4] == b"glTF" else (json.loads(content), b"")
-        return Document(tree, _gathered(tree, blob, path))
+        binary = content[:4] == b"glTF"
+        outdated = binary and struct.unpack_from("<I", content, 4)[0] == 1
+        if not outdated:
+            tree, blob = _chunks(content) if binary else (json.loads(content), b"")
+            outdated = str(tree.get("asset", {}).get("version", "")).startswith("1.")
+        if not outdated:
+            return Document(tree, _gathered(tree, blob, path))
+    raise ValueError(f"{path}: is of glTF 1.0, which is not read: save it as glTF 2.0")
 
 
 def _gathered(tree: dict[str, Any], blob: bytes, path: Path) -> bytearray:
@@ -605,7 +613,7 @@ def _gathered(tree: dict[str, Any], blob: bytes, path: Path) -> bytearray:
             bytes_of_all.extend(_bytes_of(buffer["uri"], path))
         elif k == 0:
             bytes_of_all.extend(blob)
-        else:
+        elif not FALLBACKS.intersection(buffer.get("extensions", ())):
             raise ValueError(f"buffer {k} is nowhere")
     if len(buffers) > 1:
         for view in tree.get("bufferViews", ()):
