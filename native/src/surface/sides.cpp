@@ -5,7 +5,9 @@
 #include <cmath>
 #include <dapple/projector.hpp>
 #include <map>
+#include <queue>
 #include <set>
+#include <tuple>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
@@ -23,6 +25,7 @@ constexpr double kOpposite = -0.8;  // cosine between the normals of a wall's tw
 constexpr double kWide = 0.5;       // spacings: narrower bodies are wires and ribbons
 constexpr double kNarrowRim = 0.3;  // spacings: too narrow for sites of its own
 constexpr double kRim = 1.0;        // spacings: wider parts are not rims
+constexpr double kBends = 1e6;      // steps of a bend, which is 1 - cosine: 0.08 degrees are one
 constexpr double kFewest = 10.0;  // cells on a side: fewer are less even than cells around the rim
 constexpr double kFolded = 0.05;  // largest share of a side that may lie opposite the side itself
 // To find out whether there may be walls, this many points per cell are distributed. On the two
@@ -196,7 +199,8 @@ class Sides {
     for (std::size_t f = 0; f < rest.size(); ++f)
       if (rest[f] != kNone)
         narrow_[f] = parts[static_cast<std::size_t>(rest[f])].width() < kNarrowRim * spacing_;
-    spread([&](std::size_t f) {
+    spread([&](std::size_t f) { return narrow_[f]; });
+    spread_over_bends([&](std::size_t f) {
       return rest[f] != kNone && parts[static_cast<std::size_t>(rest[f])].width() < kRim * spacing_;
     });
   }
@@ -220,6 +224,36 @@ class Sides {
         front.push_back(f);
       }
     }
+  }
+
+  /// Sites stand on these rims. Two sides that met within a flat part would keep the sites beside
+  /// their border from knowing each other, so the sides meet where the rim turns the most.
+  template <typename IsRim>
+  void spread_over_bends(const IsRim& is_rim) {
+    using Reached = std::tuple<std::int64_t, std::int32_t, std::size_t>;  // bend, label, face
+    std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front;
+    const auto push_around = [&](std::size_t f, std::int64_t bend) {
+      for_each_neighbor(f, [&](std::size_t other, std::int32_t, std::int32_t) {
+        if (label_[other] == kNone && is_rim(other))
+          front.emplace(bend + bend_between(f, other), label_[f], other);
+      });
+    };
+    for (std::size_t f = 0; f < label_.size(); ++f)
+      if (label_[f] != kNone) push_around(f, 0);
+    while (!front.empty()) {
+      const auto [bend, label, f] = front.top();
+      front.pop();
+      if (label_[f] != kNone) continue;
+      label_[f] = label;
+      push_around(f, bend);
+    }
+  }
+
+  /// A whole number, so that rounding errors of flat parts decide nothing.
+  [[nodiscard]] std::int64_t bend_between(std::size_t f, std::size_t other) const {
+    const double cosine =
+        mesh_.geometry(nth_face(f)).normal.dot(mesh_.geometry(nth_face(other)).normal);
+    return std::llround(kBends * (1.0 - cosine));
   }
 
   [[nodiscard]] std::set<Pair> opposite_pairs() const {

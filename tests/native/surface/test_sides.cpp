@@ -6,6 +6,10 @@
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/tracker.hpp>
+#include <numbers>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "invariants.hpp"
 #include "shapes.hpp"
@@ -25,6 +29,22 @@ Shape plate(int cells) { return cuboid(cells, 1.0, 1.0, 0.002); }
 Shape wedge(double thickness) {
   return mapped(box(20), [=](const Vec3& p) {
     return Vec3(p.x(), p.y(), thickness * (p.z() - 0.5) * p.x() * p.x());
+  });
+}
+
+/// A round plate with a hole whose upper part sticks out as a lip; its underside is four strips.
+Shape plate_with_lip() {
+  std::vector<std::pair<double, double>> profile;  // radius and height
+  for (int k = 0; k <= 10; ++k) profile.emplace_back(1.0 - 0.06 * k, 0.0);
+  for (int k = 0; k <= 10; ++k) profile.emplace_back(0.4 + 0.0565 * k, -0.023);
+  for (int k = 0; k <= 4; ++k) profile.emplace_back(0.965 + 0.00875 * k, -0.0035);
+  const auto count = static_cast<int>(profile.size());
+  return mapped(torus(64, count), [=](const Vec3& p) {
+    const double radius = std::hypot(p.x(), p.y());
+    const double turn = std::atan2(p.z(), radius - 1.0) / (2.0 * std::numbers::pi);
+    const auto place = static_cast<std::size_t>((std::lround(count * turn) + count) % count);
+    const auto [r, z] = profile[place];
+    return Vec3(r * p.x() / radius, r * p.y() / radius, z);
   });
 }
 
@@ -125,6 +145,22 @@ TEST(Sides, RimsThatAreNotNarrowKeepTheirSites) {
   EXPECT_EQ(on_rim(0.2), 0.0);
   EXPECT_GT(on_rim(0.4), 0.4);
   EXPECT_LT(on_rim(0.4), 2.0);
+}
+
+TEST(Sides, TheUndersideOfALipIsNotDivided) {
+  // A border within it would part points that stand side by side.
+  const Surface surface = plate_with_lip().surface();
+  const auto sided = with_sides(surface, 1000);
+  ASSERT_NE(sided, nullptr);
+  EXPECT_EQ(components(sided->all), 2);
+  const OrderedSurface& mesh = sided->all.ordered();
+  std::set<std::int32_t> below;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const FaceGeometry& face = mesh.geometry(nth_face(f));
+    const double radius = std::hypot(face.centroid.x(), face.centroid.y());
+    if (face.normal.z() < -0.99 && radius > 0.965) below.insert(mesh.component(nth_face(f)));
+  }
+  EXPECT_EQ(below.size(), 1);
 }
 
 TEST(Sides, AMovingWallKeepsThem) {
