@@ -5,6 +5,7 @@ import os
 import re
 from pathlib import Path
 
+import dapple3d as dapple
 import numpy as np
 import pytest
 import shapes
@@ -142,10 +143,17 @@ def test_refuses_broken_files(tmp_path):
     path = tmp_path / "mesh.ply"
     path.write_text("ply\nformat ascii 1.0\nproperty float x\nend_header\n")
     assert f"{path}: line 3 of its header" in refused("sample", path, out, "-n", 10)
-    path = tmp_path / "mesh.strange"
-    path.write_text("hello\n")
-    assert "supported are .off, .obj, .ply" in refused("sample", path, out, "-n", 10)
     assert not out.exists()
+
+
+def test_a_file_of_another_program_is_told_which_ones_are_read(tmp_path):
+    path = tmp_path / "crate.FBX"
+    path.write_bytes(b"Kaydara FBX Binary")
+    said = refused("sample", path, tmp_path / "points.ply", "-n", 10)
+    known = ".ply, .obj, .stl, .off, .glb, .gltf"
+    assert f"{path} has the suffix '.fbx': supported are {known} and .npz" in said
+    with pytest.raises(dapple.FileError, match=r"supported are \.ply, \.obj, .* \.glb and \.gltf"):
+        dapple.read_mesh(path)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 """Meshes from files: vertices, faces and other arrays."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final, Self
 
@@ -13,7 +13,7 @@ from . import _native as native
 from .extras._gltf_meshes import SUFFIXES as GLTF
 from .extras._gltf_meshes import read_arrays
 
-__all__ = ["SUFFIXES", "MeshArrays", "read_mesh"]
+__all__ = ["SUFFIXES", "MeshArrays", "check_suffix", "read_mesh"]
 
 SUFFIXES: Final = (".ply", ".obj", ".stl", ".off", *GLTF)
 """Suffixes of the files that read_mesh() reads."""
@@ -74,6 +74,16 @@ class MeshArrays(tuple[Floats, NDArray[np.int32]]):
         return self[1]
 
 
+def check_suffix(path: str | os.PathLike[str], known: Sequence[str]) -> None:
+    """Raise FileError unless a file has one of several suffixes."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in known:
+        raise native.FileError(
+            f"{os.fspath(path)} has the suffix '{suffix}': "
+            f"supported are {', '.join(known[:-1])} and {known[-1]}"
+        )
+
+
 def read_mesh(path: str | os.PathLike[str], *, may_be_empty: bool = False) -> MeshArrays:
     """Read a mesh from .off, .obj, .ply, .stl, .glb or .gltf, without rounding.
 
@@ -88,6 +98,7 @@ def read_mesh(path: str | os.PathLike[str], *, may_be_empty: bool = False) -> Me
     Raises:
         FileError: naming the file and what is wrong with it.
     """
+    check_suffix(path, SUFFIXES)
     if Path(path).suffix.lower() not in GLTF:
         return MeshArrays(**native._read_mesh(path, may_be_empty))
     if not Path(path).is_file():

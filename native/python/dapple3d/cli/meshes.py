@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dapple3d as dapple
+from dapple3d._meshes import SUFFIXES, check_suffix
 from dapple3d.cli import ply
 from dapple3d.cli.files import Arrays, about, load_npy, load_npz
 
@@ -81,6 +82,7 @@ def read_mesh(path: Path, *, may_be_empty: bool = False) -> Mesh:
     Raises:
         FileError, ClickException: naming the file and what is wrong with it.
     """
+    check_suffix(path, (*SUFFIXES, ".npz"))
     if path.suffix.lower() != ".npz":
         said = dapple.read_mesh(path, may_be_empty=may_be_empty)
         return Mesh(path, *said, said=said)
