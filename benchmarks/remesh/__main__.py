@@ -74,7 +74,7 @@ def remeshed(python: str, package: str, path: Path, count: int) -> str:
 def main() -> int:
     chosen = arguments()
     if chosen.sequences:
-        table(MESHES)
+        table()
         return 0
     if chosen.mesh:
         meshes = {Path(chosen.mesh[0]): int(chosen.mesh[1])}

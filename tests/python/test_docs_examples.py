@@ -57,7 +57,7 @@ RUN = {
     "docs/lines.md": {"sh": (1, "here"), "python": (2, "here")},
     "docs/symmetry.md": {"sh": (1, "here"), "python": (1, "here")},
     "docs/masks.md": {"sh": (2, "here"), "python": (1, "here")},
-    "docs/remeshing.md": {"sh": (2, "here"), "python": (5, "here")},
+    "docs/remeshing.md": {"sh": (3, "here"), "python": (6, "here")},
     "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
     "docs/peers.md": {"sh": (1, "test_peers.py")},
     "docs/stippling.md": {"sh": (1, "here"), "python": (1, "here")},
@@ -116,9 +116,14 @@ def test_the_page_on_remeshing_runs(here):
     vertices, faces = shapes.torus()
     dapple.write_mesh("part.stl", vertices, faces)
     np.savez("walk.npz", vertices=[vertices, 1.1 * vertices], faces=faces)
+    splash = here / "splash"
+    splash.mkdir()
+    for k in (12, 13):
+        dapple.write_mesh(splash / f"{k}.ply", *shapes.torus(2 * k, k))
     for command in filter(None, code("docs/remeshing.md", "sh").splitlines()):
         assert run(*shlex.split(command)[1:]).exit_code == 0
-    first, near, adapted, second, third = code_blocks("docs/remeshing.md")
+    assert len(list((here / "even").iterdir())) == 2
+    first, near, adapted, second, third, fourth = code_blocks("docs/remeshing.md")
     namespace = {}
     exec(first, namespace)
     exec(near, namespace)
@@ -131,6 +136,9 @@ def test_the_page_on_remeshing_runs(here):
     namespace["later_frames"] = [1.1 * namespace["surface"].vertices]
     exec(third, namespace)
     assert namespace["moved"].flipped == 0
+    namespace["later_surfaces"] = [dapple.Surface(*shapes.torus(24, 12))]
+    exec(fourth.replace("3000", "300"), namespace)
+    assert namespace["frame"].born < 300
 
 
 def test_the_page_on_symmetry_runs(here):
