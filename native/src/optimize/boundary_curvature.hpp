@@ -18,37 +18,45 @@ namespace dapple {
 /// say all about it.
 class BoundaryCurvature {
  public:
-  /// \param bases  of the tangent planes, per site
-  /// \param factor of all entries
-  void update(const RestrictedVoronoi& diagram, const std::vector<TangentBasis>& bases,
-              double factor);
+  /// \param members the sites of the cells, as in Term; must outlive this
+  /// \param bases   of the tangent planes, per site
+  /// \param factor  of all entries
+  void update(const RestrictedVoronoi& diagram, std::span<const std::int32_t> members,
+              const std::vector<TangentBasis>& bases, double factor);
   /// Of no boundaries.
   void clear() { starts_.clear(); }
   [[nodiscard]] bool empty() const { return starts_.empty(); }
 
-  /// The product share * B v at a site.
-  [[nodiscard]] Tangent product(const TangentVectors& v, std::size_t site, double share) const;
+  [[nodiscard]] std::size_t cells() const { return empty() ? 0 : starts_.size() - 1; }
+  /// The site of a cell.
+  [[nodiscard]] std::size_t site(std::size_t cell) const {
+    return members_.empty() ? cell : static_cast<std::size_t>(members_[cell]);
+  }
 
-  /// The diagonal block of share * B at a site.
-  [[nodiscard]] TangentBlock block(std::size_t site, double share) const;
+  /// The product share * B v at the site of a cell; v holds all sites.
+  [[nodiscard]] Tangent product(const TangentVectors& v, std::size_t cell, double share) const;
+
+  /// The diagonal block of B at the site of a cell.
+  [[nodiscard]] TangentBlock block(std::size_t cell) const;
 
  private:
   /// A boundary as its first two moments, seen from one of its sites: its middle, and its direction
   /// by the root of its inertia.
   struct Side {
-    std::int32_t other;
+    std::int32_t other;             // site
     Tangent middle, others_middle;  // from the site and from the other, in their planes
     Tangent along, others_along;
   };
 
-  [[nodiscard]] static Side side(const RestrictedVoronoi& diagram, std::size_t site,
-                                 const CellBoundary& boundary,
-                                 const std::vector<TangentBasis>& bases, double factor);
-  [[nodiscard]] std::span<const Side> sides(std::size_t site) const {
-    return std::span(sides_).subspan(starts_[site], starts_[site + 1] - starts_[site]);
+  [[nodiscard]] Side side(const RestrictedVoronoi& diagram, std::size_t cell,
+                          const CellBoundary& boundary, const std::vector<TangentBasis>& bases,
+                          double factor) const;
+  [[nodiscard]] std::span<const Side> sides(std::size_t cell) const {
+    return std::span(sides_).subspan(starts_[cell], starts_[cell + 1] - starts_[cell]);
   }
 
-  std::vector<std::size_t> starts_;  // rows of sides_, one more than sites
+  std::span<const std::int32_t> members_;
+  std::vector<std::size_t> starts_;  // rows of sides_, one more than cells
   std::vector<Side> sides_;
 };
 

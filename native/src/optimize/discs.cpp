@@ -132,6 +132,13 @@ Repulsion evaluate_disc_repulsion(const Discs& discs, double weight) {
   return repulsion;
 }
 
+std::vector<Contact> discs_brought_together(const Discs& discs, const std::vector<bool>& locked,
+                                            const Vectors& moves) {
+  std::vector<Contact> contacts = contacts_of(discs, locked, 2.0 * longest(moves));
+  std::erase_if(contacts, [&](const Contact& contact) { return !(contact.excess(moves) > 0.0); });
+  return contacts;
+}
+
 void keep_discs_apart(const Discs& discs, const std::vector<bool>& locked, Vectors& moves) {
   const double reach = 2.0 * longest(moves);
   const std::vector<Contact> contacts = contacts_of(discs, locked, reach);

@@ -18,6 +18,11 @@ struct Discs {
 /// The repulsion between discs: r_ij is R, and all pairs count, whether their cells touch or not.
 [[nodiscard]] Repulsion evaluate_disc_repulsion(const Discs& discs, double weight);
 
+/// The pairs of discs that moves bring closer than R.
+[[nodiscard]] std::vector<Contact> discs_brought_together(const Discs& discs,
+                                                          const std::vector<bool>& locked,
+                                                          const Vectors& moves);
+
 /// Change moves so that no two discs come closer than R, and overlapping ones separate. To first
 /// order only: errors of a step along a curved surface are left to the next step. \param locked per
 /// site, whether it stays; empty: none

@@ -14,6 +14,7 @@ namespace {
 constexpr double kSolverTolerance =
     1e-2;                            // of the residual: the step is shortened and corrected anyway
 constexpr double kLeastMass = 1e-3;  // of the mean: keeps empty cells from making H singular
+constexpr double kStiff = 10.0;      // of a contact, in units of the mean diagonal
 constexpr std::size_t kGrain = 1024;
 
 double mean_mass(const RestrictedVoronoi& diagram) {
@@ -65,6 +66,7 @@ void GaussNewton::update(const Objective& objective, const Evaluation& state, in
   context_ = context;
   unit_ = unit_of(objective, state);
   locked_ = objective.locked;
+  contacts_.sides.clear();
   bases_.resize(state.normals.size());
   for_each_vector(bases_.size(),
                   [&](std::size_t k) { bases_[k] = tangent_basis(state.normals[k]); });
@@ -98,37 +100,63 @@ void GaussNewton::add_masses(const Objective& objective, const Evaluation& state
 }
 
 void GaussNewton::add_pairs(const Objective& objective, const Evaluation& state) {
-  side_starts_.assign(state.sites.size() + 1, 0);
+  pairs_.starts.assign(state.sites.size() + 1, 0);
   for_each_pair(objective, state, [&](std::size_t i, std::size_t j, const ClosePair&, double) {
-    ++side_starts_[i + 1];
-    ++side_starts_[j + 1];
+    ++pairs_.starts[i + 1];
+    ++pairs_.starts[j + 1];
   });
-  std::partial_sum(side_starts_.begin(), side_starts_.end(), side_starts_.begin());
-  sides_.resize(side_starts_.back());
-  std::vector<std::size_t> next(side_starts_.begin(), side_starts_.end() - 1);
+  std::partial_sum(pairs_.starts.begin(), pairs_.starts.end(), pairs_.starts.begin());
+  pairs_.sides.resize(pairs_.starts.back());
+  std::vector<std::size_t> next(pairs_.starts.begin(), pairs_.starts.end() - 1);
   for_each_pair(objective, state,
                 [&](std::size_t i, std::size_t j, const ClosePair& pair, double scale) {
                   const double root = std::sqrt(scale * pair.stiffness / unit_);
                   const Tangent at_i = to_tangent(bases_[i], pair.direction, root);
                   const Tangent at_j = to_tangent(bases_[j], pair.direction, root);
-                  sides_[next[i]++] = {static_cast<std::int32_t>(j), at_i, at_j};
-                  sides_[next[j]++] = {static_cast<std::int32_t>(i), at_j, at_i};
+                  pairs_.sides[next[i]++] = {static_cast<std::int32_t>(j), at_i, at_j};
+                  pairs_.sides[next[j]++] = {static_cast<std::int32_t>(i), at_j, at_i};
                 });
 }
 
-// With equal capacities as the aim, the capacities decide where sites go, and the boundaries'
-// curvature saves nothing. While a frame is restored, nobody waits for a lattice.
+void GaussNewton::hold(std::span<const Contact> contacts, Vectors& b) {
+  contacts_.starts.assign(masses_.size() + 1, 0);
+  for (const Contact& contact : contacts)
+    for (const std::size_t k : {contact.i, contact.j}) ++contacts_.starts[k + 1];
+  std::partial_sum(contacts_.starts.begin(), contacts_.starts.end(), contacts_.starts.begin());
+  contacts_.sides.resize(contacts_.starts.back());
+  std::vector<std::size_t> next(contacts_.starts.begin(), contacts_.starts.end() - 1);
+  const double root = std::sqrt(kStiff);
+  for (const Contact& contact : contacts) {
+    const auto [i, j] = std::pair(contact.i, contact.j);
+    const Tangent at_i = to_tangent(bases_[i], contact.at_i, root);
+    const Tangent at_j = to_tangent(bases_[j], contact.at_j, root);
+    contacts_.sides[next[i]++] = {static_cast<std::int32_t>(j), at_i, at_j};
+    contacts_.sides[next[j]++] = {static_cast<std::int32_t>(i), at_j, at_i};
+    blocks_[i].add_square(at_i);
+    blocks_[j].add_square(at_j);
+    b[i] += unit_ * kStiff * contact.gap * contact.at_i;
+    b[j] -= unit_ * kStiff * contact.gap * contact.at_j;
+  }
+}
+
 void GaussNewton::add_boundaries(const Objective& objective, const Evaluation& state) {
-  if (!objective.forms_lattice()) return boundaries_.clear();
-  const RestrictedVoronoi& diagram = state.diagram();
-  boundaries_.update(diagram, bases_, objective.scale(0, diagram.cells.size()) / unit_);
+  boundaries_.resize(objective.has_curved_cvt() ? state.parts.size() : 0);
+  boundary_blocks_.assign(boundaries_.empty() ? 0 : masses_.size(), {});
+  for (std::size_t t = 0; t < boundaries_.size(); ++t) {
+    const RestrictedVoronoi& diagram = state.parts[t].energy.diagram;
+    BoundaryCurvature& term = boundaries_[t];
+    term.update(diagram, objective.terms[t].members, bases_,
+                objective.scale(t, diagram.cells.size()) / unit_);
+    for_each_vector(term.cells(),
+                    [&](std::size_t k) { boundary_blocks_[term.site(k)] += term.block(k); });
+  }
 }
 
 void GaussNewton::add_blocks() {
   blocks_.assign(masses_.size(), {});
   for (const CapacityJacobian& term : terms_) term.add_blocks(blocks_);
   for (std::size_t k = 0; k < blocks_.size(); ++k) {
-    for (const Side& side : sides(k)) blocks_[k].add_square(side.own);
+    for (const Side& side : pairs_.of(k)) blocks_[k].add_square(side.own);
     if (held_.empty()) continue;
     blocks_[k].uu += held_[k];
     blocks_[k].vv += held_[k];
@@ -150,13 +178,19 @@ void GaussNewton::apply(const TangentVectors& v, const Trust& trust, TangentVect
     for (std::size_t k = begin; k < end; ++k) {
       Tangent sum = (trust.delta * masses_[k] + (held_.empty() ? 0.0 : held_[k])) * v[k];
       if (!held_.empty()) sum += -pull_of_neighbors(v, k);
-      for (const Side& side : sides(k))
-        sum += (side.own.dot(v[k]) - side.others.dot(v[static_cast<std::size_t>(side.other)])) *
-               side.own;
-      if (subtracts) sum += -boundaries_.product(v, k, trust.boundaries);
+      for (const Springs* springs : {&pairs_, &contacts_})
+        for (const Side& side : springs->of(k))
+          sum += (side.own.dot(v[k]) - side.others.dot(v[static_cast<std::size_t>(side.other)])) *
+                 side.own;
+      if (subtracts) sum += -boundaries_[0].product(v, k, trust.boundaries);
       result[k] = sum;
     }
   });
+  for (std::size_t t = 1; subtracts && t < boundaries_.size(); ++t)
+    parallel_chunks(boundaries_[t].cells(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k)
+        result[boundaries_[t].site(k)] += -boundaries_[t].product(v, k, trust.boundaries);
+    });
   for (const CapacityJacobian& term : terms_) term.add_product(v, change_, result);
 }
 
@@ -166,7 +200,7 @@ void GaussNewton::precondition(const Trust& trust) {
   for_each_vector(inverse_.size(), [&](std::size_t k) {
     const bool locked = !locked_.empty() && locked_[k];
     TangentBlock block = blocks_[k];
-    if (subtracts) block -= boundaries_.block(k, trust.boundaries);
+    if (subtracts) block -= trust.boundaries * boundary_blocks_[k];
     inverse_[k] = locked ? TangentBlock() : block.inverse(trust.delta * masses_[k]);
   });
 }

@@ -3,6 +3,7 @@
 
 #include "optimize/boundary_curvature.hpp"
 #include "optimize/capacity_jacobian.hpp"
+#include "optimize/contacts.hpp"
 #include "optimize/objective.hpp"
 
 namespace dapple {
@@ -17,8 +18,9 @@ struct Trust {
 /// The model Hessian of an objective on the tangent planes, locked sites left out: the sum over the
 /// terms of scale (2 delta diag(m) + 2 lambda J^T J + the repulsion's part), with J the Jacobian of
 /// the capacities, and what holds sites back. Its first part is Lloyd's step scaled by delta, which
-/// a trust region raises to shorten the step. Where a lattice is wanted, a share of the boundaries'
-/// curvature is subtracted: with all of it the first part is the Hessian of E_cvt.
+/// a trust region raises to shorten the step. Where a lattice is wanted, and with several classes,
+/// a share of the boundaries' curvature is subtracted: with all of it the first part is the Hessian
+/// of E_cvt.
 class GaussNewton {
  public:
   /// Of nothing, until update().
@@ -34,6 +36,11 @@ class GaussNewton {
   /// \throw Cancelled
   void update(const Objective& objective, const Evaluation& state, int steps,
               const Context* context);
+
+  /// Keep a solution from bringing sites together: each contact becomes a spring that pulls its
+  /// sites to their least distance. Until the next update().
+  /// \param b receives the pulls; that of which solve() is asked next
+  void hold(std::span<const Contact> contacts, Vectors& b);
 
   /// Solve H x = b approximately by conjugate gradients with a block-Jacobi preconditioner; b
   /// restricted.
@@ -52,6 +59,15 @@ class GaussNewton {
     std::int32_t other;
     Tangent own, others;  // the direction, in the planes of the two
   };
+  /// Pairs, seen from both of their sites.
+  struct Springs {
+    std::vector<std::size_t> starts;  // rows of sides, one more than sites
+    std::vector<Side> sides;
+    [[nodiscard]] std::span<const Side> of(std::size_t site) const {
+      if (sides.empty()) return {};
+      return std::span(sides).subspan(starts[site], starts[site + 1] - starts[site]);
+    }
+  };
 
   /// From residual_ to x_.
   void iterate(const Trust& trust);
@@ -61,10 +77,6 @@ class GaussNewton {
   void add_blocks();
   [[nodiscard]] bool subtracts_boundaries(const Trust& trust) const {
     return trust.boundaries > 0.0 && has_boundaries();
-  }
-  [[nodiscard]] std::span<const Side> sides(std::size_t site) const {
-    return std::span(sides_).subspan(side_starts_[site],
-                                     side_starts_[site + 1] - side_starts_[site]);
   }
   void apply(const TangentVectors& v, const Trust& trust, TangentVectors& result);
   [[nodiscard]] Tangent pull_of_neighbors(const TangentVectors& v, std::size_t k) const;
@@ -78,9 +90,9 @@ class GaussNewton {
   const Anchoring* anchoring_ = nullptr;
   std::vector<double> held_;  // what it adds to the diagonal; empty: nothing
   std::vector<CapacityJacobian> terms_;
-  BoundaryCurvature boundaries_;
-  std::vector<std::size_t> side_starts_;  // rows of sides_, one more than sites
-  std::vector<Side> sides_;
+  std::vector<BoundaryCurvature> boundaries_;  // of each term; empty: not of the model
+  std::vector<TangentBlock> boundary_blocks_;  // on their diagonal
+  Springs pairs_, contacts_;
   std::vector<TangentBlock> blocks_;  // on the diagonal, without what trust multiplies
   std::vector<bool> locked_;
   // Of conjugate gradients.

@@ -40,7 +40,7 @@ class Minimizer {
         context_(context),
         restoration_(options.method == Method::kTrustRegion ? restoration : nullptr),
         aim_(aim),
-        history_(options.history),
+        history_(keeps_pairs() ? options.history : 0),
         region_(options.max_step, /*exact=*/restoring()),
         limit_(objective_, options.max_slide),
         rule_(tolerance(), options.patience, restoring() ? kFewFailures : kFailures),
@@ -68,6 +68,12 @@ class Minimizer {
  private:
   [[nodiscard]] bool restoring() const { return restoration_ != nullptr; }
   [[nodiscard]] bool in_trust_region() const { return options_.method == Method::kTrustRegion; }
+
+  /// Whether earlier steps are to tell of second derivatives. With several classes the model knows
+  /// more of them.
+  [[nodiscard]] bool keeps_pairs() const {
+    return restoring() || !in_trust_region() || objective_.terms.size() == 1;
+  }
 
   [[nodiscard]] double tolerance() const {
     if (restoring()) return kLocal * options_.tolerance;
@@ -114,6 +120,7 @@ class Minimizer {
   void iterate() {
     const Vectors direction = descent_direction();
     const double slope = std::min(dot(direction, state_.gradient), 0.0);
+    const bool sure = !keeps_pairs() && region_.follows_model();
     const Step step = backtrack(objective_, state_, direction,
                                 {.most = restoring() ? kFewBacktracks : kBacktracks,
                                  .holds_back = in_trust_region(),
@@ -121,7 +128,7 @@ class Minimizer {
                                 [this](const Vectors& moves) { return evaluate_at(moves); });
     region_.update_radius(step.found, step.shortened);
     full_steps_ = step.found && step.shortened == 1.0 ? full_steps_ + 1 : 0;
-    update_stopping(step, slope);
+    update_stopping(step, slope, sure && full_steps_ > 0);
     if (step.found)
       accept();
     else
@@ -135,11 +142,11 @@ class Minimizer {
 
   /// A quasi-Newton step predicts a decrease of half its slope. If even that is small, or hidden by
   /// a jump, failing to reach it means convergence.
-  void update_stopping(const Step& step, double slope) {
+  void update_stopping(const Step& step, double slope, bool sure) {
     const double promised = -0.5 * slope;
     const double hoped = promised > step.jump ? promised : 0.0;
     decrease_ = (step.found ? state_.total - trial_.total : hoped) / state_.total;
-    rule_.update(decrease_, step.found, promised / state_.total);
+    rule_.update(decrease_, step.found, promised / state_.total, sure);
   }
 
   void accept() {

@@ -59,6 +59,12 @@ struct Objective {
   [[nodiscard]] bool forms_lattice() const {
     return terms.size() == 1 && is_lattice(capacity_weight) && cvt_weight >= 1.0;
   }
+  /// Whether the model of a step has the second derivatives of E_cvt: where a lattice is wanted,
+  /// and with several classes, which take many steps. While a frame is restored, nobody waits for
+  /// either.
+  [[nodiscard]] bool has_curved_cvt() const {
+    return forms_lattice() || (terms.size() > 1 && cvt_weight >= 1.0);
+  }
   /// To normalized units: n / |S|_phi^2, times the term's weight.
   [[nodiscard]] double scale(std::size_t term, std::size_t sites) const;
 

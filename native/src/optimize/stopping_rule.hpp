@@ -17,9 +17,13 @@ class StoppingRule {
 
   /// After a step.
   /// \param decrease relative; of a failed step, the possible decrease
-  /// \param promised by the step, relative; counts if it failed
-  void update(double decrease, bool found, double promised) {
+  /// \param promised by the step, relative
+  /// \param sure whether the promise is to be trusted: if it was small too, the next step would
+  ///             decrease it even less, so that this one ends it
+  void update(double decrease, bool found, double promised, bool sure = false) {
     small_ = decrease > tolerance_ ? 0 : small_ + 1;
+    if (sure && small_ > 0 && promised <= kNearly * tolerance_)
+      small_ = std::max(small_, patience_);
     failures_ = found ? 0 : failures_ + 1;
     missed_ = found ? 0.0 : std::max(missed_, promised);
   }
@@ -37,6 +41,8 @@ class StoppingRule {
   [[nodiscard]] double missed() const { return missed_; }
 
  private:
+  static constexpr double kNearly = 1.5;  // times the tolerance: a small promise
+
   double tolerance_;
   int patience_, most_failures_;
   int small_ = 0, failures_ = 0;  // in a row

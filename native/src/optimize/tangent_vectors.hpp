@@ -36,11 +36,20 @@ struct TangentBlock {
     uv += a.u * a.v;
     vv += a.v * a.v;
   }
+  TangentBlock& operator+=(const TangentBlock& other) {
+    uu += other.uu;
+    uv += other.uv;
+    vv += other.vv;
+    return *this;
+  }
   TangentBlock& operator-=(const TangentBlock& other) {
     uu -= other.uu;
     uv -= other.uv;
     vv -= other.vv;
     return *this;
+  }
+  friend TangentBlock operator*(double factor, const TangentBlock& a) {
+    return {factor * a.uu, factor * a.uv, factor * a.vv};
   }
   /// Of this plus `diagonal` times the identity.
   [[nodiscard]] TangentBlock inverse(double diagonal) const {

@@ -16,9 +16,10 @@ constexpr double kFull = 0.4;     // after a full step
 constexpr double kShortened = 2.0;
 constexpr double kFailed = 4.0;
 constexpr double kMost = 1e12;
-// The boundaries' share: nothing at first, when cells are far from a lattice, more after each full
-// step, less after any other and where a step is too long.
+// The boundaries' share: nothing at first, when cells are far from even, more after each full step,
+// less after any other and where a step is too long.
 constexpr double kMostShare = 0.9;  // all of it would leave some long waves without any curvature
+constexpr double kTrusted = 0.5;    // with which steps are nearly Newton's
 constexpr double kNearer = 0.5;     // part of the way there after a full step
 constexpr double kLess = 0.7;
 constexpr double kLeastShare = 0.3;  // of which nothing is left
@@ -120,6 +121,10 @@ void cut_few(const Objective& objective, const Evaluation& state, double max_ste
 
 }  // namespace
 
+bool TrustRegion::follows_model() const {
+  return trust_.delta <= least_delta_ && trust_.boundaries >= kTrusted;
+}
+
 void TrustRegion::trust_boundaries_less() {
   trust_.boundaries = trust_.boundaries > kLeastShare ? kLess * trust_.boundaries : 0.0;
 }
@@ -140,6 +145,7 @@ Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
     const bool descends = dot(direction, state.gradient) < 0.0;
     const bool overshoots = trust_.boundaries > 0.0 && model_.is_indefinite();
     if ((excess <= 1.0 + kRounding && descends && !overshoots) || trust_.delta > kMost) {
+      if (objective.holds_discs) hold_discs(objective, state, direction);
       direction = keep_apart(objective, state, std::move(direction));
       if (separates_) separate_crowded(objective, state, direction);
       if (objective.holds_discs)
@@ -156,6 +162,22 @@ Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
     history.forget();
     trust_.delta = first_delta;
   }
+}
+
+/// Most moves that discs stop lead nowhere unless the model knows of them: what a disc loses by
+/// being stopped, others beside it may do instead.
+void TrustRegion::hold_discs(const Objective& objective, const Evaluation& state,
+                             Vectors& direction) {
+  const std::vector<Contact> contacts =
+      discs_brought_together(discs_of(objective, state), objective.locked, direction);
+  if (contacts.empty()) return;
+  Vectors b = state.gradient;
+  model_.hold(contacts, b);
+  Vectors held = model_.solve(b, trust_);
+  for (Vec3& v : held) v = -v;
+  objective.restrict(held, state.normals);
+  cut_few(objective, state, max_step_, held);
+  if (step_excess(objective, state, max_step_, held) <= 1.0 + kRounding) direction.swap(held);
 }
 
 void TrustRegion::update_radius(bool found, double shortened) {

@@ -6,8 +6,8 @@
 
 namespace dapple {
 
-/// Steps of L-BFGS around the Gauss-Newton Hessian 2 delta diag(m) + 2 lambda J^T J + the
-/// repulsion's part. delta stands for the trust region's radius: a larger one makes shorter steps.
+/// Steps of the model Hessian (GaussNewton), or of L-BFGS around it where there are pairs. delta
+/// stands for the trust region's radius: a larger one makes shorter steps.
 class TrustRegion {
  public:
   /// \param max_step the radius, in local spacings
@@ -23,6 +23,9 @@ class TrustRegion {
   [[nodiscard]] Vectors step(const Objective& objective, const Evaluation& state,
                              LbfgsHistory& history, const Context* context = nullptr);
 
+  /// Whether the last step was that of the model, which nothing held back: nearly Newton's.
+  [[nodiscard]] bool follows_model() const;
+
   /// \param found whether the step lowered the energy
   /// \param shortened factor of the step; 1: not shortened
   void update_radius(bool found, double shortened);
@@ -33,6 +36,7 @@ class TrustRegion {
 
  private:
   void trust_boundaries_less();
+  void hold_discs(const Objective& objective, const Evaluation& state, Vectors& direction);
 
   GaussNewton model_;  // of one step after another
   double max_step_;

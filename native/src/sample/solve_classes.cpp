@@ -39,7 +39,8 @@ constexpr double kAlone =
     0.35;  // share of the progress after the start when each class is even on its own
 constexpr double kRound = 0.4;      // share of the remaining progress, as their number is unknown
 constexpr double kRough = 5e-4;     // tolerance before all classes move together
-constexpr double kPolish = 2.0;     // times the tolerance, if classes are nearly even when combined
+constexpr double kJoint = 1.5;      // times the tolerance, if several classes begin together
+constexpr double kPolish = 2.0;     // if classes are nearly even when combined
 constexpr double kInTurn = 0.6;     // of the progress after the start
 constexpr double kNearly = 0.9;     // of the progress, before sites are moved
 constexpr double kUseful = 20.0;    // the least weight of capacities that are to be equal
@@ -359,9 +360,9 @@ class InTurn {
     OptimizerOptions rough = options_.sample.optimizer;
     rough.tolerance = std::max(kRough, rough.tolerance);
     rough.max_evaluations = (evaluations_left(rough, sum_) + 1) / 2;
-    const ClassMinimum found = solve(std::move(objective), sites, rough, solving.context());
-    sum_.count(found.minimum);
-    keep(now, group, found.minimum.state.sites);
+    const Minimum found = minimize(objective, sites, rough, solving.context());
+    sum_.count(found);
+    keep(now, group, discs_apart(objective, found.state.sites, nullptr));
   }
 
   [[nodiscard]] const Minimum& sum() const { return sum_; }
@@ -500,9 +501,12 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
   if (stages) settle_alone(problem, options, start, before, alone.context());
   Objective objective =
       make_objective(problem, class_of_sites(problem), options, locked_sites(problem));
+  OptimizerOptions optimizer = options.sample.optimizer;
+  if (objective.terms.size() > 1 && optimizer.method == Method::kTrustRegion)
+    optimizer.tolerance *= kJoint;
   ClassMinimum found =
       plain ? solve_moving(problem, std::move(objective), start, options, finishing.context())
-            : solve(std::move(objective), start, options.sample.optimizer, finishing.context());
+            : solve(std::move(objective), start, optimizer, finishing.context());
   if (thin) go_on(found, options.sample.optimizer, going_on.context());
   if (plain) finish(problem, options, found, moving.context());
   found.minimum.count(before);

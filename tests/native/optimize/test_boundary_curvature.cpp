@@ -20,7 +20,7 @@ struct Fixture {
         sites(poisson_start(surface, kCount, 4)) {
     diagram = restricted_voronoi(surface, sites, Cells::kEuclidean);
     bases.assign(kCount, tangent_basis(Vec3::UnitZ()));
-    curvature.update(diagram, bases, 1.0);
+    curvature.update(diagram, {}, bases, 1.0);
   }
 
   /// 2 diag(m) - B, column by column.
@@ -93,18 +93,35 @@ TEST(BoundaryCurvature, HasTheBlocksOfItsDiagonal) {
   const Eigen::MatrixXd hessian = f.hessian();
   for (std::size_t k = 0; k < kCount; ++k) {
     const auto at = static_cast<Eigen::Index>(2 * k);
-    const TangentBlock block = f.curvature.block(k, 0.5);
+    const TangentBlock block = f.curvature.block(k);
     const double mass = 2.0 * f.diagram.cells[k].mass;
-    EXPECT_NEAR(2.0 * block.uu, mass - hessian(at, at), 1e-12);
-    EXPECT_NEAR(2.0 * block.uv, -hessian(at, at + 1), 1e-12);
-    EXPECT_NEAR(2.0 * block.vv, mass - hessian(at + 1, at + 1), 1e-12);
+    EXPECT_NEAR(block.uu, mass - hessian(at, at), 1e-12);
+    EXPECT_NEAR(block.uv, -hessian(at, at + 1), 1e-12);
+    EXPECT_NEAR(block.vv, mass - hessian(at + 1, at + 1), 1e-12);
+  }
+}
+
+TEST(BoundaryCurvature, OfSomeSitesRefersToThese) {
+  const Fixture f;
+  std::vector<std::int32_t> members(kCount);  // every second of twice as many
+  for (std::size_t k = 0; k < kCount; ++k) members[k] = static_cast<std::int32_t>(2 * k + 1);
+  const std::vector<TangentBasis> bases(2 * kCount, f.bases[0]);
+  BoundaryCurvature some;
+  some.update(f.diagram, members, bases, 1.0);
+  ASSERT_EQ(some.cells(), kCount);
+  TangentVectors v(kCount), all(2 * kCount, {9.0, 9.0});
+  for (std::size_t k = 0; k < kCount; ++k)
+    all[some.site(k)] = v[k] = {0.1 * static_cast<double>(k % 7), 0.3 * static_cast<double>(k % 3)};
+  for (std::size_t k = 0; k < kCount; ++k) {
+    EXPECT_EQ(some.product(all, k, 0.5).u, f.curvature.product(v, k, 0.5).u);
+    EXPECT_EQ(some.product(all, k, 0.5).v, f.curvature.product(v, k, 0.5).v);
   }
 }
 
 TEST(BoundaryCurvature, LeavesOutBoundariesWithoutExtent) {
   Fixture f;
   for (CellBoundary& boundary : f.diagram.boundaries) boundary.flux = Vec3::Zero();
-  f.curvature.update(f.diagram, f.bases, 1.0);
+  f.curvature.update(f.diagram, {}, f.bases, 1.0);
   EXPECT_EQ(f.curvature.product(TangentVectors(kCount, {1.0, 1.0}), 0, 1.0).u, 0.0);
   f.curvature.clear();
   EXPECT_TRUE(f.curvature.empty());

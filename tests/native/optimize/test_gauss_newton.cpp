@@ -136,6 +136,77 @@ TEST(GaussNewton, SolvesItsDefinitionWithAnchors) {
   EXPECT_LT((flat(found) - wanted).norm(), 0.03 * wanted.norm());
 }
 
+/// What the boundaries of all terms subtract from the product of the Hessian with x.
+Vectors boundaries_product(const Objective& objective, const Evaluation& state, const Vectors& x) {
+  std::vector<TangentBasis> bases;
+  TangentVectors v;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    bases.push_back(tangent_basis(state.normals[k]));
+    v.push_back(to_tangent(bases[k], x[k], 1.0));
+  }
+  Vectors result(x.size(), Vec3::Zero());
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    const RestrictedVoronoi& diagram = state.parts[t].energy.diagram;
+    BoundaryCurvature term;
+    term.update(diagram, objective.terms[t].members, bases,
+                objective.scale(t, diagram.cells.size()));
+    for (std::size_t k = 0; k < term.cells(); ++k)
+      result[term.site(k)] += to_space(bases[term.site(k)], term.product(v, k, 1.0), 1.0);
+  }
+  return result;
+}
+
+TEST(GaussNewton, SubtractsAShareOfTheBoundariesOfEachTerm) {
+  const Fixture f;
+  constexpr double kShare = 0.1;
+  GaussNewton model(f.objective, f.state, kEnough);
+  const Vectors x = model.solve(f.state.gradient, {kDelta, kShare});
+  ASSERT_FALSE(model.is_indefinite());
+  const Vectors less = boundaries_product(f.objective, f.state, x);
+  Vectors found = stacked(dense(f.objective, f.state) * flat(x) - kShare * flat(less));
+  f.objective.restrict(found, f.state.normals);
+  const Eigen::VectorXd wanted = flat(f.state.gradient);
+  EXPECT_LT((flat(found) - wanted).norm(), 0.03 * wanted.norm());
+}
+
+TEST(GaussNewton, KnowsNoBoundariesWhileAFrameIsRestored) {
+  Fixture f;
+  f.objective.cvt_weight = 0.3;
+  EXPECT_FALSE(GaussNewton(f.objective, f.state, kEnough).has_boundaries());
+}
+
+TEST(GaussNewton, HoldsContactsApart) {
+  const Fixture f;
+  GaussNewton model(f.objective, f.state, kEnough);
+  const Planes planes{f.state.normals, f.objective.locked};
+  std::vector<Contact> contacts;
+  const auto moves = [&] {
+    Vectors b = f.state.gradient;
+    if (!contacts.empty()) model.hold(contacts, b);
+    Vectors x = model.solve(b, {.delta = kDelta});
+    for (Vec3& v : x) v = -v;
+    return x;
+  };
+  const Vectors free = moves();
+  const auto pairs = [&](const auto& visit) {
+    for (std::size_t i = 0; i < free.size(); ++i)
+      for (const CellBoundary& side : f.state.diagram().boundary(i))
+        if (const auto j = static_cast<std::size_t>(side.neighbor); j > i) visit(i, j, side.offset);
+  };
+  pairs([&](std::size_t i, std::size_t j, const Vec3& offset) {
+    add_contact(planes, i, j, -offset, offset.norm(), 0.0, contacts);  // they touch already
+  });
+  std::erase_if(contacts, [&](const Contact& contact) { return !(contact.excess(free) > 0.0); });
+  ASSERT_GT(contacts.size(), 10U);
+  const Vectors held = moves();
+  double before = 0.0, after = 0.0;
+  for (const Contact& contact : contacts) {
+    before += std::max(contact.excess(free), 0.0);
+    after += std::max(contact.excess(held), 0.0);
+  }
+  EXPECT_LT(after, 0.6 * before) << "capacities push too";
+}
+
 TEST(GaussNewton, SubtractsAShareOfTheBoundariesForALattice) {
   Fixture f;
   f.objective.terms.resize(1);

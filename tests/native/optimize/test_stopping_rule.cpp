@@ -18,6 +18,19 @@ TEST(StoppingRule, EndsAfterSmallDecreasesInARow) {
   EXPECT_FALSE(rule.steps_fail());
 }
 
+TEST(StoppingRule, EndsWhereASureStepDecreasesLittle) {
+  StoppingRule rule(0.1, 2, 5);
+  rule.update(0.11, true, 0.0, /*sure=*/true);
+  rule.update(0.1, true, 0.0, /*sure=*/false);
+  EXPECT_FALSE(rule.ends());
+  rule.update(0.11, true, 0.1, /*sure=*/true);
+  rule.update(0.1, true, 0.2, /*sure=*/true);
+  EXPECT_FALSE(rule.ends()) << "more was promised";
+  rule.update(0.11, true, 0.1, /*sure=*/true);
+  rule.update(0.1, true, 0.1, /*sure=*/true);
+  EXPECT_TRUE(rule.decreases_are_small());
+}
+
 TEST(StoppingRule, EndsAfterFailuresInARowAndKeepsTheirLargestPrediction) {
   StoppingRule rule(0.1, 9, 2);
   rule.update(0.5, false, 0.3);

@@ -46,8 +46,10 @@ TEST(TrustRegion, ShrinksAfterFailuresAndGrowsAgain) {
   region.update_radius(/*found=*/false, 1.0);
   const double failed = length();
   EXPECT_LT(failed, first);
+  EXPECT_FALSE(region.follows_model());
   for (int k = 0; k < 10; ++k) region.update_radius(true, 1.0);
   EXPECT_EQ(length(), first) << "no larger than at the least delta";
+  EXPECT_TRUE(region.follows_model());
 }
 
 TEST(TrustRegion, PredictsLittleNearTheMinimum) {
