@@ -127,9 +127,9 @@ WITH_OPTIONS: dict[str, tuple[Call, dict[str, Any]]] = {
     ),
     "remesh": (lambda **given: dapple.remesh(ground(), **given), {"count": 9}),
     "remesh_next": (
-        lambda **given: dapple.remesh_next(
-            ground(), dapple.remesh(ground(), 9), ground(), **given
-        ).mesh,
+        lambda **given: (
+            dapple.remesh_next(ground(), dapple.remesh(ground(), 9), ground(), **given).mesh
+        ),
         {"capacity": 0.5},
     ),
     "sample_symmetric": (
