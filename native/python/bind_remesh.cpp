@@ -127,7 +127,9 @@ void bind_next(py::module_& m) {
       m, "NextRemesh", "The mesh of the next surface of a sequence. See remesh_next().")
       .def_property_readonly(
           "mesh",
-          [](const std::shared_ptr<NextRemesh>& next) {
+          [](const py::object& self) {
+            static_cast<void>(self.cast<const NextRemesh&>());  // refuses one without constructor
+            const auto next = self.cast<std::shared_ptr<NextRemesh>>();
             return std::shared_ptr<RemeshResult>(next, &next->mesh);
           },
           "The RemeshResult.")

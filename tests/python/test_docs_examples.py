@@ -342,6 +342,7 @@ def test_the_examples_in_docstrings_run(files):
     names |= {"picture": np.ones((4, 4, 4)), "uv": np.random.rand(len(mesh[1]), 3, 2)}
     names |= {"samples": dapple.sample(surface, 50), "points": np.random.rand(60, 2)}
     names |= {"next_vertices": mesh[0] * [1.0, 1.0, 1.1]}
+    names |= {"next_surface": dapple.Surface(*shapes.torus(36, 18))}
     tests = docstrings()
     assert {"dapple3d", "dapple3d.plot", "dapple3d.density"} <= {test.name for test in tests}
     for test in tests:
