@@ -15,8 +15,8 @@ namespace dapple {
 inline auto members(RemeshReport& r) {
   return std::tie(r.asked, r.vertices, r.faces, r.on_lines, r.corners, r.dropped_lines,
                   r.smallest_angle, r.mean_smallest_angle, r.below_30, r.valence_6, r.flipped,
-                  r.nonmanifold_edges, r.euler, r.border_loops, r.flaws, r.distance, r.evaluations,
-                  r.converged, r.seconds, r.profile);
+                  r.self_intersecting, r.nonmanifold_edges, r.euler, r.border_loops, r.flaws,
+                  r.distance, r.evaluations, r.converged, r.seconds, r.profile);
 }
 inline auto members(RemeshResult& r) {
   return std::tie(r.vertices, r.faces, r.source_faces, r.barycentric, r.features, r.lines,
@@ -102,6 +102,9 @@ void bind_report(py::module_& m) {
                     "Share of vertices with six neighbors, apart from those on lines.")
       .def_readonly("flipped", &RemeshReport::flipped,
                     "Number of triangles that face away from the old surface.")
+      .def_readonly("self_intersecting", &RemeshReport::self_intersecting,
+                    "Number of triangles that pass through others with which they have no vertex "
+                    "in common.")
       .def_readonly("nonmanifold_edges", &RemeshReport::nonmanifold_edges,
                     "Number of edges with three or more triangles.")
       .def_readonly("euler", &RemeshReport::euler, "Vertices - edges + faces.")

@@ -76,6 +76,8 @@ struct RemeshReport {
   double below_30 = 0.0;             ///< share of triangles with an angle below 30 degrees
   double valence_6 = 0.0;   ///< share of vertices with six neighbors, apart from those on lines
   std::size_t flipped = 0;  ///< triangles that face away from the old surface
+  /// Triangles that pass through others with which they have no vertex in common.
+  std::size_t self_intersecting = 0;
   std::size_t nonmanifold_edges = 0;
   std::int32_t euler = 0;         ///< vertices - edges + faces
   std::int32_t border_loops = 0;  ///< -1 if not manifold

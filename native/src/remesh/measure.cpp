@@ -9,6 +9,7 @@
 #include "base/elementary.hpp"
 #include "base/parallel.hpp"
 #include "lines/line_edges.hpp"
+#include "skin/crossings.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -111,6 +112,14 @@ class TouchedFaces {
   std::vector<std::array<std::int32_t, 2>> around_;  // welded vertex, face
 };
 
+/// The number of triangles that pass through others.
+std::size_t self_intersecting(const RemeshResult& mesh) {
+  std::vector<OrderedFace> faces;  // as the lines are sorted by them
+  for (const CrossingLine& line : find_crossings(Surface(mesh.vertices, mesh.faces)).lines)
+    if (faces.empty() || faces.back() != line.face) faces.push_back(line.face);
+  return faces.size();
+}
+
 }  // namespace
 
 double smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -172,6 +181,7 @@ void measure_mesh(const Surface& surface, const FeatureLines& lines, RemeshResul
           .size();
   report.border_loops = -1;
   if (mesh.faces.empty()) return;
+  report.self_intersecting = self_intersecting(mesh);
   SurfaceOptions plain;
   plain.weld = std::nullopt;
   report.border_loops = topology(Surface(mesh.vertices, mesh.faces, Density{}, plain)).border_loops;

@@ -95,6 +95,23 @@ TEST(Remesh, HasExactlyAsManyVerticesAsAsked) {
     EXPECT_EQ(remesh(blob(4).surface(), count).vertices.size(), count);
 }
 
+TEST(Remesh, CountsTrianglesThatPassThroughOthers) {
+  const auto beside = [](double x) {
+    return mapped(icosphere(3), [&](const Vec3& p) { return Vec3(p + Vec3(x, 0.0, 0.0)); });
+  };
+  EXPECT_EQ(remesh(joined(icosphere(3), beside(2.5)).surface(), 400).report.self_intersecting, 0u);
+  const RemeshResult mesh = remesh(joined(icosphere(3), beside(1.5)).surface(), 400);
+  EXPECT_GT(mesh.report.self_intersecting, 20u);
+  EXPECT_LT(mesh.report.self_intersecting, 200u);
+}
+
+TEST(Remesh, CountsNoneWhereSheetsTouchAlone) {
+  RemeshOptions options;
+  options.non_manifold = NonManifold::kCut;
+  EXPECT_EQ(remesh(fin(6).surface(), 150, options).report.self_intersecting, 0u);
+  EXPECT_EQ(remesh(bow_tie().surface(), 40, options).report.self_intersecting, 0u);
+}
+
 TEST(Remesh, MakesGoodTriangles) {
   const RemeshResult mesh = remesh(icosphere(4).surface(), 1000);
   EXPECT_GT(mesh.report.smallest_angle, 35.0);

@@ -363,6 +363,8 @@ def figures(report: dapple.RemeshReport) -> str:
         words += f"; at most {report.distance:.3g} from the surface"
     if report.dropped_lines:
         words += f"; {report.dropped_lines} creases were given up"
+    if report.self_intersecting:
+        words += f"; {report.self_intersecting} triangles pass through others"
     if report.flaws:
         words += f"; in {report.flaws} places the topology is not that of the surface"
     return words
