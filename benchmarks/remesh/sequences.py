@@ -19,7 +19,7 @@ FACES = 12_000
 COUNT = 2_000
 HEAD = (
     "| sequence | vertices | unmoved | new on a frame | smallest angle, mean of the triangles' | "
-    "valence 6 | flaws | time of a frame, of a remesh by itself |\n" + "|---" * 8 + "|"
+    "valence 6 | flaws | time, a remesh by itself = 1 |\n" + "|---" * 8 + "|"
 )
 
 
