@@ -81,8 +81,9 @@ Unchanged unchanged_vertices(const Surface& before, const RemeshResult& mesh, co
   Unchanged result{{}, to_next.project(mesh.vertices, {}, context)};
   const Neighbors tree(mesh.vertices);
   const VertexCells cells{tree, reaches_of(mesh)};
-  std::vector<bool> changed;
-  for (const double distance : result.places.distances) changed.push_back(distance > tolerance);
+  std::vector<bool> changed(mesh.vertices.size());
+  for (std::size_t k = 0; k < changed.size(); ++k)
+    changed[k] = result.places.distances[k] > tolerance;
   mark_changes(next, before, to_before, cells, tolerance, changed, context);
   mark_changes(before, next, to_next, cells, tolerance, changed, context);
   changed = widened(mesh.faces, std::move(changed), 1);
