@@ -9,6 +9,14 @@ from .base.native import named, package
 from .remesh import NewMesh, OldMesh, Options, surface_of, with_sources
 
 
+@dataclass(frozen=True)
+class SequenceFrame:
+    """The new mesh of a frame."""
+
+    new: NewMesh  # without its surface, as all frames are in memory
+    made: Any  # the package's SequenceMesh
+
+
 @dataclass
 class MeshSequence:
     """The new meshes of the frames so far."""
@@ -17,28 +25,23 @@ class MeshSequence:
     first: int  # number of the first frame
     count: int  # of vertices of the first mesh
     options: Options
-    meshes: list[NewMesh | None] = field(default_factory=list)  # None: a frame without faces
-    made: list[Any] = field(default_factory=list)  # the package's SequenceMesh of the others
-    ids: list[Any] = field(default_factory=list)  # of the vertices of each frame
+    frames: list[SequenceFrame | None] = field(default_factory=list)  # None: one without faces
     _sequence: Any = field(default=None, repr=False)
 
     def advance(self, old: OldMesh, context: Any) -> None:
         """Remesh the next frame."""
-        frame = self.first + len(self.meshes)
+        frame = self.first + len(self.frames)
         try:
             with named(self.name):
                 found = self._next(old, context)
         except ScatterError as error:
             raise ScatterError(f"Frame {frame}: {error}") from error
         if found is None:
-            self.meshes.append(None)
-            self.ids.append(None)
+            self.frames.append(None)
             return
         surface, made = found
         new = with_sources(surface, old, made.mesh, self.options["max_distance"])
-        self.meshes.append(replace(new, surface=None))  # all frames are in memory
-        self.made.append(made)
-        self.ids.append(made.ids)
+        self.frames.append(SequenceFrame(replace(new, surface=None), made))
 
     def _next(self, old: OldMesh, context: Any) -> tuple[Any, Any] | None:
         """The surface of the frame and its SequenceMesh; None without faces."""
@@ -52,6 +55,11 @@ class MeshSequence:
             surface, self.count, edges=old.lines, context=context, **self.options
         )
         return surface, self._sequence.first
+
+    @property
+    def made(self) -> list[Any]:
+        """The package's SequenceMesh of each frame that has faces."""
+        return [frame.made for frame in self.frames if frame]
 
     def check(self) -> None:
         """ScatterError if no frame had faces."""

@@ -9,14 +9,14 @@ import bpy
 
 from ...core.bake.baker import Baker
 from ...core.bake.population import PopulationBaker
-from ...core.base.errors import ScatterError, StoppedError
+from ...core.base.errors import StoppedError
 from ...core.base.steps import Steps, Task
 from ...core.surface.arrays import SurfaceArrays
 from ...core.surface.rest import at_rest
 from ..base.all_or_nothing import all_or_nothing
 from ..base.mesh_arrays import to_local
 from ..base.object_handles import ObjectHandle
-from ..base.times import times_of
+from ..base.times import chosen_times
 from ..base.translation import translated_report
 from ..freshness.concurrent_edits import ConcurrentEdits
 from ..scatter.key_writing import write_baked
@@ -34,9 +34,7 @@ def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
     """Optimize each frame from first to last and store keyframes; returns the Baker."""
     check_all_over(context.object)
     handle, surface = ObjectHandle(context.object), ObjectHandle(surface_of(context.object))
-    first, last = times_of(context.scene, first, last)
-    if last < first:
-        raise ScatterError(f"The frame range is empty: {first} to {last}")
+    first, last = chosen_times(context.scene, first, last)
     edits = ConcurrentEdits(handle)
     with frame_kept(context.scene, show=first):
         begin, kind = yield from first_frame_with_faces(handle, surface, first, last)

@@ -8,6 +8,8 @@ import math
 
 import bpy
 
+from ...core.base.errors import ScatterError
+
 _WHOLE = 1e-3  # tolerance of whole times: frames are stored in single precision
 
 
@@ -37,6 +39,14 @@ def times_of(scene: bpy.types.Scene, first: int, last: int) -> tuple[int, int]:
     if stretch == 1.0:
         return first, last
     return math.floor(first * stretch + _WHOLE), math.ceil(last * stretch - _WHOLE)
+
+
+def chosen_times(scene: bpy.types.Scene, first: int, last: int) -> tuple[int, int]:
+    """The same; ScatterError if there is none."""
+    first, last = times_of(scene, first, last)
+    if last < first:
+        raise ScatterError(f"The frame range is empty: {first} to {last}")
+    return first, last
 
 
 def _stretch(scene: bpy.types.Scene) -> float:

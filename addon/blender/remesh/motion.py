@@ -17,7 +17,7 @@ from ...core.surface.arrays import Floats
 from ..base.all_or_nothing import all_or_nothing, once_done
 from ..base.mesh_arrays import in_space
 from ..base.object_handles import ObjectHandle
-from ..base.times import times_of
+from ..base.times import chosen_times
 from ..surface.reading import frame_kept
 from .shown import Shown, read_first, read_next, shown_copy
 from .writing import replace_mesh, write_new
@@ -49,9 +49,7 @@ def motion_steps(
     MovingMesh.
     """
     handle, mesh = ObjectHandle(obj), obj.data.session_uid
-    first, last = times_of(context.scene, *frames)
-    if last < first:
-        raise ScatterError(f"The frame range is empty: {first} to {last}")
+    first, last = chosen_times(context.scene, *frames)
     with frame_kept(context.scene):
         old, start = read_first(handle, first, density)
         new = yield Task(lambda worker: remeshed(old, count, options, worker), 0.0, _REMESHING)
@@ -78,8 +76,7 @@ def _write(bake: _Bake) -> None:
     """The new mesh with the data of the shown one, and its keys."""
     obj, moving = bake.handle.get(), bake.moving
     _, now = read_first(bake.handle, moving.first, "")
-    same = now.has_faces_of(bake.start) and np.array_equal(now.vertices, bake.start.vertices)
-    if not same or obj.data.session_uid != bake.mesh or obj.mode != "OBJECT":
+    if not now.is_like(bake.start) or obj.data.session_uid != bake.mesh or obj.mode != "OBJECT":
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
     places = [
         in_space(matrix, frame.vertices, obj.name)

@@ -230,13 +230,7 @@ def _messages(name: str, new: NewMesh) -> Messages:
             count=report.dropped_lines,
         )
         found.append(("WARNING", given_up))
-    if report.flaws:
-        flaws = translated_report(
-            "In {count:,} places the new mesh is connected differently from the old one",
-            count=report.flaws,
-        )
-        found.append(("WARNING", flaws))
-    return found
+    return [*found, *_flaws(report.flaws)]
 
 
 def _motion_message(moving: MovingMesh) -> tuple[str, str]:
@@ -265,18 +259,22 @@ def _sequence_messages(name: str, sequence: MeshSequence) -> Messages:
         "'{name}': {frames:,} frames with {least:,} to {most:,} vertices, of which {kept:.0f} % "
         "stay from frame to frame",
         name=name,
-        frames=len(sequence.meshes),
+        frames=len(sequence.frames),
         least=least,
         most=most,
         kept=100 * sequence.kept,
     )
-    if not sequence.flaws:
-        return [("INFO", text)]
-    flaws = translated_report(
-        "In {count:,} places the new mesh is connected differently from the old one",
-        count=sequence.flaws,
+    return [("INFO", text), *_flaws(sequence.flaws)]
+
+
+def _flaws(count: int) -> Messages:
+    """That the topology is another one at so many places; nothing if it is the same."""
+    if not count:
+        return []
+    text = translated_report(
+        "In {count:,} places the new mesh is connected differently from the old one", count=count
     )
-    return [("INFO", text), ("WARNING", flaws)]
+    return [("WARNING", text)]
 
 
 def _more_vertices(new: NewMesh) -> Messages:

@@ -10,14 +10,14 @@ from mathutils import Matrix
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps, Task
 from ...core.mesh_sequence import MeshSequence
-from ...core.remesh import NewMesh, Options
+from ...core.remesh import Options
 from ...core.surface.arrays import Floats
 from ...nodes.builder import ensure
 from ...nodes.inputs import set_input
 from ...nodes.sequence import SEQUENCE
 from ..base.all_or_nothing import all_or_nothing, once_done
 from ..base.object_handles import ObjectHandle
-from ..base.times import times_of
+from ..base.times import chosen_times
 from ..surface.reading import frame_kept
 from .shown import Shown, read_first, shown_copy
 from .writing import write_new
@@ -37,9 +37,7 @@ def sequence_steps(
     Returns the MeshSequence.
     """
     handle = ObjectHandle(obj)
-    first, last = times_of(context.scene, *frames)
-    if last < first:
-        raise ScatterError(f"The frame range is empty: {first} to {last}")
+    first, last = chosen_times(context.scene, *frames)
     if options["adaptive"]:
         raise ScatterError("Adaptive is for one mesh: a sequence keeps its spacing")
     given = {name: value for name, value in options.items() if name != "adaptive"}
@@ -61,10 +59,9 @@ def _write(obj: bpy.types.Object, sequence: MeshSequence, shown: list[Shown]) ->
     """The meshes in a collection that no scene has, and an object that shows them."""
     frames = bpy.data.collections.new(f"{obj.name} Frames")
     start = np.linalg.inv(shown[0].matrix)
-    for k, (new, before) in enumerate(zip(sequence.meshes, shown, strict=True)):
+    for k, before in enumerate(shown):
         mesh = _mesh_of_frame(obj, sequence, k, before)
-        if new is not None:
-            mesh.transform(_matrix(start @ before.matrix))
+        mesh.transform(_matrix(start @ before.matrix))
         frames.objects.link(bpy.data.objects.new(f"{k:06d} {obj.name}", mesh))
     made = bpy.data.objects.new(f"{obj.name} Remeshed", bpy.data.meshes.new(f"{obj.name} Remeshed"))
     for material in obj.data.materials:
@@ -83,18 +80,18 @@ def _mesh_of_frame(
     obj: bpy.types.Object, sequence: MeshSequence, k: int, before: Shown
 ) -> bpy.types.Mesh:
     """The new mesh of a frame with the data of the shown one; an empty one without faces."""
-    new: NewMesh | None = sequence.meshes[k]
-    if new is None:
+    frame = sequence.frames[k]
+    if frame is None:
         return bpy.data.meshes.new(obj.name)
     _, now = read_first(ObjectHandle(obj), sequence.first + k, "")
-    if not now.has_faces_of(before) or not np.array_equal(now.vertices, before.vertices):
+    if not now.is_like(before):
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
     with shown_copy(obj) as old:
-        mesh = write_new(old, new)
+        mesh = write_new(old, frame.new)
     mesh.name = obj.name
     if _ID in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[_ID])
-    mesh.attributes.new(_ID, "INT", "POINT").data.foreach_set("value", sequence.ids[k])
+    mesh.attributes.new(_ID, "INT", "POINT").data.foreach_set("value", frame.made.ids)
     return mesh
 
 

@@ -41,6 +41,10 @@ class Shown:
         same = same and np.array_equal(self.corners, other.corners)
         return bool(same and np.array_equal(self.starts, other.starts))
 
+    def is_like(self, other: "Shown") -> bool:
+        """Whether the polygons and the places of their vertices are the same."""
+        return self.has_faces_of(other) and np.array_equal(self.vertices, other.vertices)
+
 
 @contextmanager
 def shown_copy(obj: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
