@@ -100,14 +100,10 @@ void GaussNewton::add_masses(const Objective& objective, const Evaluation& state
 }
 
 void GaussNewton::add_pairs(const Objective& objective, const Evaluation& state) {
-  pairs_.starts.assign(state.sites.size() + 1, 0);
-  for_each_pair(objective, state, [&](std::size_t i, std::size_t j, const ClosePair&, double) {
-    ++pairs_.starts[i + 1];
-    ++pairs_.starts[j + 1];
+  std::vector<std::size_t> next = pairs_.lay_out(state.sites.size(), [&](const auto& visit) {
+    for_each_pair(objective, state,
+                  [&](std::size_t i, std::size_t j, const ClosePair&, double) { visit(i, j); });
   });
-  std::partial_sum(pairs_.starts.begin(), pairs_.starts.end(), pairs_.starts.begin());
-  pairs_.sides.resize(pairs_.starts.back());
-  std::vector<std::size_t> next(pairs_.starts.begin(), pairs_.starts.end() - 1);
   for_each_pair(objective, state,
                 [&](std::size_t i, std::size_t j, const ClosePair& pair, double scale) {
                   const double root = std::sqrt(scale * pair.stiffness / unit_);
@@ -119,12 +115,9 @@ void GaussNewton::add_pairs(const Objective& objective, const Evaluation& state)
 }
 
 void GaussNewton::hold(std::span<const Contact> contacts, Vectors& b) {
-  contacts_.starts.assign(masses_.size() + 1, 0);
-  for (const Contact& contact : contacts)
-    for (const std::size_t k : {contact.i, contact.j}) ++contacts_.starts[k + 1];
-  std::partial_sum(contacts_.starts.begin(), contacts_.starts.end(), contacts_.starts.begin());
-  contacts_.sides.resize(contacts_.starts.back());
-  std::vector<std::size_t> next(contacts_.starts.begin(), contacts_.starts.end() - 1);
+  std::vector<std::size_t> next = contacts_.lay_out(masses_.size(), [&](const auto& visit) {
+    for (const Contact& contact : contacts) visit(contact.i, contact.j);
+  });
   const double root = std::sqrt(kStiff);
   for (const Contact& contact : contacts) {
     const auto [i, j] = std::pair(contact.i, contact.j);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <numeric>
+
 #include "optimize/boundary_curvature.hpp"
 #include "optimize/capacity_jacobian.hpp"
 #include "optimize/contacts.hpp"
@@ -63,6 +65,20 @@ class GaussNewton {
   struct Springs {
     std::vector<std::size_t> starts;  // rows of sides, one more than sites
     std::vector<Side> sides;
+    /// Make room.
+    /// \param visit_pairs calls what it is given with the two sites of each pair
+    /// \return per site, where its next side goes
+    template <typename VisitPairs>
+    std::vector<std::size_t> lay_out(std::size_t sites, const VisitPairs& visit_pairs) {
+      starts.assign(sites + 1, 0);
+      visit_pairs([&](std::size_t i, std::size_t j) {
+        ++starts[i + 1];
+        ++starts[j + 1];
+      });
+      std::partial_sum(starts.begin(), starts.end(), starts.begin());
+      sides.resize(starts.back());
+      return {starts.begin(), starts.end() - 1};
+    }
     [[nodiscard]] std::span<const Side> of(std::size_t site) const {
       if (sides.empty()) return {};
       return std::span(sides).subspan(starts[site], starts[site + 1] - starts[site]);
