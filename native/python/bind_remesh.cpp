@@ -40,11 +40,17 @@ std::vector<std::array<std::int32_t, 2>> edges_of(const py::object& edges) {
   return result;
 }
 
+template <typename Given>
+RemeshOptions options_of(const Given& given) {
+  RemeshOptions options = given.options();
+  options.edges = edges_of(given.other("edges"));
+  return options;
+}
+
 std::shared_ptr<RemeshResult> remesh_surface(const Surface& surface, Count count,
                                              const py::kwargs& keywords) {
   const Keywords given(kRemesh, keywords, {"edges", "context"});
-  RemeshOptions options = given.options();
-  options.edges = edges_of(given.other("edges"));
+  const RemeshOptions options = options_of(given);
   const ContextPtr context = given.context();
   return run(context, [&](Context* watched) {
     return std::make_shared<RemeshResult>(remesh(surface, count, options, watched));
@@ -55,8 +61,7 @@ std::shared_ptr<NextRemesh> remesh_next_surface(const Surface& before, const Rem
                                                 const Surface& surface, double capacity,
                                                 const py::kwargs& keywords) {
   const Keywords given(kRemeshNext, keywords, {"edges", "context"});
-  RemeshOptions options = given.options();
-  options.edges = edges_of(given.other("edges"));
+  const RemeshOptions options = options_of(given);
   const ContextPtr context = given.context();
   return run(context, [&](Context* watched) {
     return std::make_shared<NextRemesh>(

@@ -55,10 +55,7 @@ LinePlace LinePlaces::at_vertex(std::int32_t vertex) const {
 Sites LinePlaces::site_at(const LinePlace& place) const {
   if (place.corner >= 0)
     return point_on_edge(mesh_, lines_.half_edge_at(as_index(place.corner)), 0.0);
-  const LineChain& line = lines_.chains()[as_index(place.chain)];
-  const std::int32_t h = line.half_edges[place.edge];
-  const bool along = start_of(mesh_, h) == line.vertices[place.edge];
-  return point_on_edge(mesh_, h, along ? place.share : 1.0 - place.share);
+  return point_on_chain(mesh_, lines_.chains()[as_index(place.chain)], {place.edge, place.share});
 }
 
 }  // namespace dapple

@@ -68,9 +68,7 @@ void place_at(const OrderedSurface& mesh, const LineChain& chain, std::span<cons
     const double from = e > 0 ? ends[e - 1] : 0.0;
     const double share =
         ends[e] > from ? std::clamp((at - from) / (ends[e] - from), 0.0, 1.0) : 0.0;
-    const std::int32_t h = chain.half_edges[e];
-    const bool along = start_of(mesh, h) == chain.vertices[e];
-    append_point(result.sites, point_on_edge(mesh, h, along ? share : 1.0 - share));
+    append_point(result.sites, point_on_chain(mesh, chain, {e, share}));
     result.chains.push_back(number);
   }
 }
@@ -146,11 +144,10 @@ Sites point_on_chain(const OrderedSurface& mesh, const LineChain& chain, bool fo
   return {};
 }
 
-double length_at(const OrderedSurface& mesh, const LineChain& chain, std::size_t edge,
-                 double share) {
-  double length = 0.0;
-  for (std::size_t e = 0; e < edge; ++e) length += metric(mesh, chain.half_edges[e]);
-  return length + share * metric(mesh, chain.half_edges[edge]);
+Sites point_on_chain(const OrderedSurface& mesh, const LineChain& chain, const ChainPlace& place) {
+  const std::int32_t h = chain.half_edges[place.edge];
+  const bool along = start_of(mesh, h) == chain.vertices[place.edge];
+  return point_on_edge(mesh, h, along ? place.share : 1.0 - place.share);
 }
 
 LineSites sites_on_lines(const Surface& surface, const FeatureLines& lines, double unit,
@@ -168,7 +165,10 @@ LineSites sites_on_lines(const Surface& surface, const FeatureLines& lines, doub
     const LineChain& chain = lines.chains()[k];
     const std::vector<double> ends = lengths_along(mesh, chain);
     if (!(ends.back() > 0.0)) continue;
-    const std::vector<double> stops = kept.places.empty() ? std::vector<double>() : kept.places[k];
+    std::vector<double> stops;
+    if (!kept.places.empty())
+      for (const auto& [e, share] : kept.places[k])
+        stops.push_back((e > 0 ? ends[e - 1] : 0.0) + share * metric(mesh, chain.half_edges[e]));
     place_at(mesh, chain, ends, even_places(chain, ends.back(), unit, fewest[k], stops),
              static_cast<std::int32_t>(k), result);
   }

@@ -23,17 +23,20 @@ struct LineSites {
 [[nodiscard]] Sites point_on_chain(const OrderedSurface& mesh, const LineChain& chain, bool forward,
                                    double distance);
 
-/// Sites that are on lines already. Empty: none.
-struct KeptOnLines {
-  std::vector<bool> corners;                ///< per corner, whether there is one
-  std::vector<std::vector<double>> places;  ///< per chain: their lengths along it, see length_at()
+/// A place on a chain.
+struct ChainPlace {
+  std::size_t edge = 0;
+  double share = 0.0;  ///< of the edge, from its first vertex in the chain's direction
 };
 
-/// The length along a chain up to a place of one of its edges, where the local unit is
-/// 1 / sqrt(density).
-/// \param share of the edge, from its first vertex in the chain's direction
-[[nodiscard]] double length_at(const OrderedSurface& mesh, const LineChain& chain, std::size_t edge,
-                               double share);
+[[nodiscard]] Sites point_on_chain(const OrderedSurface& mesh, const LineChain& chain,
+                                   const ChainPlace& place);
+
+/// Sites that are on lines already. Empty: none.
+struct KeptOnLines {
+  std::vector<bool> corners;                    ///< per corner, whether there is one
+  std::vector<std::vector<ChainPlace>> places;  ///< per chain
+};
 
 /// Corners, and points evenly along each chain, by the local spacing `unit / sqrt(density)`; a
 /// closed chain gets three at least.

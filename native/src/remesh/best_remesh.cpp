@@ -97,7 +97,7 @@ TracedMesh best_remesh(const Surface& surface, std::size_t count, const RemeshOp
   TracedMesh made;
   if (flaws > 0) {
     const Beginning again =
-        beginning.given.size() > 0 ? beginning : Beginning{remesher.free_sites(), {}, {}};
+        beginning.given.size() > 0 ? beginning : Beginning{.free = remesher.free_sites()};
     made = remesh_along(surface, count, options, lines, again, second.context());
   }
   if (flaws == 0 || flaws < made.mesh.report.flaws) made = remesher.result(context);

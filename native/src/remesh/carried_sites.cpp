@@ -70,9 +70,7 @@ class Carrier {
       const LinePlace on = lines.find(site.faces[0], site.positions[0], tolerance);
       if (on.is_on_line()) site = lines.site_at(on);  // exactly
       if (on.corner >= 0) kept_.corners[as_index(on.corner)] = true;
-      if (on.chain >= 0)
-        kept_.places[as_index(on.chain)].push_back(length_at(
-            next_.surface.ordered(), next_.lines.chains()[as_index(on.chain)], on.edge, on.share));
+      if (on.chain >= 0) kept_.places[as_index(on.chain)].push_back({on.edge, on.share});
       add(site, SiteKind::kFree, {static_cast<std::int32_t>(k), true});
     }
   }
@@ -82,8 +80,8 @@ class Carrier {
   }
 
   void add_on_lines() {
-    const Sites made = sites_on_lines(next_.surface, next_.lines, next_.line_spacing, kept_).sites;
-    for (std::size_t k = 0; k < made.size(); ++k) add(nth(made, k), SiteKind::kLine, {});
+    add(sites_on_lines(next_.surface, next_.lines, next_.line_spacing, kept_).sites,
+        SiteKind::kLine, {});
   }
 
   /// \param stay sites; those on lines come after them
@@ -92,25 +90,22 @@ class Carrier {
                             {1.0 / next_.capacity, kReach}, context_);
     const Transferred& there = transfer.samples();
     std::vector<bool> taken = name_new(there, stay);
-    const Sites placed = result_.sites.sites;
-    if (placed.size() == 0) {
-      add_free(there, taken);
-      return;
-    }
-    const Neighbors tree(placed.positions);
+    take_beside(there, taken);
+    for (std::size_t k = 0; k < there.which.size(); ++k)
+      if (!taken[k] && !unchanged_.vertices[as_index(there.which[k])])
+        add(nth(there.sites, k), SiteKind::kFree, {there.which[k], false});
+  }
+
+  /// Mark vertices that are beside sites placed so far.
+  void take_beside(const Transferred& there, std::vector<bool>& taken) const {
+    if (result_.sites.size() == 0) return;
+    const Neighbors tree(result_.sites.sites.positions);
     std::vector<Neighbor> nearest;
     for (std::size_t k = 0; k < there.which.size(); ++k) {
       tree.nearest(there.sites.positions[k], 1, nearest);
       const double least = kBeside * spacing_at(there.sites, k);
       if (nearest[0].squared_distance < least * least) taken[k] = true;
     }
-    add_free(there, taken);
-  }
-
-  void add_free(const Transferred& there, const std::vector<bool>& taken) {
-    for (std::size_t k = 0; k < there.which.size(); ++k)
-      if (!taken[k] && !unchanged_.vertices[as_index(there.which[k])])
-        add(nth(there.sites, k), SiteKind::kFree, {there.which[k], false});
   }
 
   /// New sites on lines continue vertices that were on lines and are nearest to them, each one.
@@ -156,11 +151,8 @@ class Carrier {
     const SurfaceDomain domain(next_.surface, options_.cells);
     const FittedSites fitted = fit_among_locked(next_.surface, domain, sites.sites, locked, count,
                                                 options_.seed, context_);
-    RemeshSites chosen;
-    for (const std::size_t k : fitted.stay)
-      chosen.add(nth(sites.sites, k), sites.kinds[k], -1, false, sites.origins[k]);
-    chosen.add(fitted.fresh, SiteKind::kFree, -1, false);
-    sites = std::move(chosen);
+    sites = sites.chosen(fitted.stay);
+    sites.add(fitted.fresh, SiteKind::kFree, -1, false);
     result_.evaluations += fitted.evaluations;
   }
 

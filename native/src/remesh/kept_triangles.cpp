@@ -108,6 +108,7 @@ KeptTriangles::KeptTriangles(const RemeshResult& mesh)
 void KeptTriangles::put_into(const RemeshSites& sites, Dual& dual) const {
   if (triangles_.empty()) return;
   const std::vector<std::int32_t> site_of = sites_of_vertices(sites);
+  if (site_of.empty()) return;  // none stays
   std::vector<bool> chosen(sites.size());
   for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = sites.origins[k].stays;
   const std::vector<Face> triangles = renamed(std::span(triangles_), site_of, chosen);

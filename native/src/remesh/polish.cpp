@@ -66,8 +66,7 @@ class ChainPlaces {
                  ends_.size() - 1);
     const double part = ends_[e] - start(e);
     const double share = part > 0.0 ? std::clamp((length - start(e)) / part, 0.0, 1.0) : 0.0;
-    const std::int32_t h = chain_.half_edges[e];
-    return point_on_edge(mesh_, h, start_of(mesh_, h) == chain_.vertices[e] ? share : 1.0 - share);
+    return point_on_chain(mesh_, chain_, {e, share});
   }
 
  private:

@@ -55,7 +55,7 @@ Adapted adapted_density(const Surface& surface, std::size_t count, const RemeshO
   for (int k = 0, since = 0; k <= kAdaptations && since < kAdaptingPatience; ++k) {
     Stretch round(context, k / (kAdaptations + 1.0), (k + 1.0) / (kAdaptations + 1.0));
     const Surface dense = with_values(surface, now);
-    Remesher remesher(dense, count, rough, lines, {start, {}, {}});
+    Remesher remesher(dense, count, rough, lines, {.free = start});
     remesher.run(round.context());
     start = remesher.free_sites();
     const RemeshResult mesh = remesher.result(context).mesh;
@@ -103,10 +103,7 @@ RemeshResult remesh(const Surface& surface, std::size_t count, const RemeshOptio
   if (context) context->check();
   RemeshResult mesh = with_threads(
       options.threads, [&] { return remesh_by(surface, count, options, call.context()); });
-  Report times;
-  call.write(times);
-  mesh.report.seconds = times.seconds;
-  mesh.report.profile = times.profile;
+  call.write(mesh.report);
   if (context) context->advance(1.0);
   return mesh;
 }

@@ -67,9 +67,9 @@ NextRemesh remeshed(const Surface& before, const RemeshResult& mesh, const Surfa
     carried = carry_sites(before, mesh, {next, lines, capacity, line_spacing(next, lines, count)},
                           options, carrying.context());
   const std::size_t asked = carried.sites.size() > 0 ? carried.sites.size() : count;
-  TracedMesh made =
-      best_remesh(next, asked, options, lines, {{}, std::move(carried.sites), KeptTriangles(mesh)},
-                  solving.context());
+  TracedMesh made = best_remesh(next, asked, options, lines,
+                                {.given = std::move(carried.sites), .kept = KeptTriangles(mesh)},
+                                solving.context());
   NextRemesh result{std::move(made.mesh), {}, 0};
   result.mesh.report.evaluations += carried.evaluations;
   for (const Origin& origin : made.origins) {
@@ -90,10 +90,7 @@ NextRemesh remesh_next(const Surface& before, const RemeshResult& mesh, const Su
   NextRemesh result = with_threads(options.threads, [&] {
     return remeshed(before, mesh, next, capacity, options, call.context());
   });
-  Report times;
-  call.write(times);
-  result.mesh.report.seconds = times.seconds;
-  result.mesh.report.profile = times.profile;
+  call.write(result.mesh.report);
   if (context) context->advance(1.0);
   return result;
 }

@@ -36,9 +36,9 @@ struct TracedMesh {
 
 /// What a remesh begins with; nothing: a random start.
 struct Beginning {
-  Sites free;         ///< sites of an earlier solution that are on no line
-  RemeshSites given;  ///< all sites, with those on lines, which name_lines() finds
-  KeptTriangles kept;
+  Sites free = {};         ///< sites of an earlier solution that are on no line
+  RemeshSites given = {};  ///< all sites, with those on lines, which name_lines() finds
+  KeptTriangles kept = {};
 };
 
 /// Name the lines that sites are on, of those that are to be on lines or that stay.

@@ -7,6 +7,7 @@
 #include "base/segment.hpp"
 #include "base/triangle.hpp"
 #include "lines/line_sites.hpp"
+#include "optimize/chosen_sites.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -89,6 +90,18 @@ void RemeshSites::add(const Sites& more, SiteKind kind, std::int32_t chain, bool
     pinned.push_back(pin);
     origins.push_back(origin);
   }
+}
+
+RemeshSites RemeshSites::chosen(std::span<const std::size_t> members) const {
+  RemeshSites result;
+  result.sites = select(sites, members);
+  for (const std::size_t k : members) {
+    result.kinds.push_back(kinds[k]);
+    result.chains.push_back(chains[k]);
+    result.pinned.push_back(pinned[k]);
+    result.origins.push_back(origins[k]);
+  }
+  return result;
 }
 
 void RemeshSites::move(std::size_t site, const Sites& to, SiteKind kind, std::int32_t chain) {
@@ -195,12 +208,10 @@ std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites,
             around.push_back(n);
           }
   }
-  RemeshSites left;
+  std::vector<std::size_t> left;
   for (std::size_t k = 0; k < sites.size(); ++k)
-    if (!gone[k])
-      left.add({{sites.sites.positions[k]}, {sites.sites.faces[k]}, {sites.sites.barycentric[k]}},
-               sites.kinds[k], sites.chains[k], sites.pinned[k], sites.origins[k]);
-  sites = std::move(left);
+    if (!gone[k]) left.push_back(k);
+  sites = sites.chosen(left);
   return removed;
 }
 

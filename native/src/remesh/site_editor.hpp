@@ -30,6 +30,8 @@ struct RemeshSites {
   /// Whether all corners of a triangle stay.
   [[nodiscard]] bool stay(const Face& triangle) const;
   void add(const Sites& more, SiteKind kind, std::int32_t chain, bool pin, Origin origin = {});
+  /// Some of the sites, with what they may do.
+  [[nodiscard]] RemeshSites chosen(std::span<const std::size_t> members) const;
   void move(std::size_t site, const Sites& to, SiteKind kind, std::int32_t chain);
 };
 

@@ -22,8 +22,7 @@ struct Probes {
     const OrderedSurface& mesh = surface.ordered();
     for (std::size_t f = 0; f < surface.face_count(); ++f) {
       const OrderedFace face = mesh.ordered_face(static_cast<std::int32_t>(f));
-      const auto [a, b, c] = mesh.corners(face);
-      points.emplace_back((mesh.vertex(a) + mesh.vertex(b) + mesh.vertex(c)) / 3.0);
+      points.push_back(mesh.geometry(face).centroid);
       densities.push_back(mesh.densities(face).mean());
     }
   }

@@ -17,7 +17,8 @@ class TimedCall {
   [[nodiscard]] Context* context() { return &context_; }
 
   /// Write the times so far, on top of those of calls before it.
-  void write(Report& report, const Profile& before = {}) {
+  template <typename AnyReport>
+  void write(AnyReport& report, const Profile& before = {}) {
     report.profile = stopwatch_.read();
     for (std::size_t k = 0; k < before.seconds.size(); ++k)
       report.profile.seconds[k] += before.seconds[k];
