@@ -11,7 +11,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kFirst = 0.6, kSecond = 0.8;  // of the progress, if it is done again
+constexpr double kFirst = 0.6;  // of the progress, if it is done again
 constexpr std::size_t kFinerFaces = 40;
 constexpr std::size_t kRefinings = 1;  // times that faces are made finer still
 
@@ -44,9 +44,18 @@ Sites on_pieces(const Refined& fine, const Sites& sites) {
 
 Beginning on_pieces(const Refined& fine, const Beginning& beginning) {
   Beginning result = beginning;
-  result.free = on_pieces(fine, beginning.free);
+  result.solution = on_pieces(fine, beginning.solution);
   result.given.sites = on_pieces(fine, beginning.given.sites);
   return result;
+}
+
+/// Without lines that cannot be kept, where nothing else has helped.
+TracedMesh best_of(Remesher& remesher, Context* context) {
+  const std::size_t flaws = remesher.flaws();
+  if (flaws == 0) return remesher.result(context);
+  const Remesher whole = remesher;  // with all lines
+  remesher.give_up(context);
+  return (remesher.flaws() < flaws ? remesher : whole).result(context);
 }
 
 /// Cells in space reach through walls thinner than themselves; those along the surface do not, but
@@ -58,29 +67,26 @@ TracedMesh remesh_along(const Surface& surface, std::size_t count, const RemeshO
       std::min(kMostRefinedFaces, kFinerFaces * (count + surface.face_count()));
   const double longest = kFinerEdge * surface.spacing(count);
   Refined fine = refine_edges(surface, {&longest, 1}, most, nullptr);
-  for (std::size_t k = 0;; ++k) {
+  // Finer faces alone may help.
+  std::size_t k = fine.surface.face_count() > surface.face_count() ? 0 : 1;
+  for (;; ++k) {
     Stretch trying(context, k, kRefinings + 2);
-    Stretch first(trying.context(), 0.0, kFirst), second(trying.context(), kFirst, kSecond),
-        third(trying.context(), kSecond, 1.0);
+    Stretch first(trying.context(), 0.0, kFirst), second(trying.context(), kFirst, 1.0);
     Remesher remesher(fine.surface, count, options,
                       FeatureLines(fine, lines, rules_of(surface, count, options)),
                       on_pieces(fine, beginning));
-    if (k > 0) remesher.follow_surface();  // finer faces alone may help
+    if (k > 0) remesher.follow_surface();
     remesher.run(first.context());
     if (remesher.flaws() > 0 && k == 0) continue;
     if (remesher.flaws() > 0 && k <= kRefinings) {
-      fine = fine.then(refine_edges(fine.surface, remesher.finer_edges(), most, nullptr));
-      continue;
+      Refined finer = fine.then(refine_edges(fine.surface, remesher.finer_edges(), most, nullptr));
+      const bool is_finer = finer.surface.face_count() > fine.surface.face_count();
+      if (is_finer) {
+        fine = std::move(finer);
+        continue;
+      }
     }
-    if (remesher.flaws() > 0) remesher.insist(second.context());
-    TracedMesh made;
-    if (const std::size_t flaws = remesher.flaws(); flaws > 0) {
-      const Remesher whole = remesher;  // with all lines
-      remesher.give_up(third.context());
-      made = (remesher.flaws() < flaws ? remesher : whole).result(context);
-    } else {
-      made = remesher.result(context);
-    }
+    TracedMesh made = best_of(remesher, second.context());
     name_parents(fine, made.mesh);
     return made;
   }
@@ -97,7 +103,7 @@ TracedMesh best_remesh(const Surface& surface, std::size_t count, const RemeshOp
   TracedMesh made;
   if (flaws > 0) {
     const Beginning again =
-        beginning.given.size() > 0 ? beginning : Beginning{.free = remesher.free_sites()};
+        beginning.given.size() > 0 ? beginning : Beginning{.solution = remesher.solution()};
     made = remesh_along(surface, count, options, lines, again, second.context());
   }
   if (flaws == 0 || flaws < made.mesh.report.flaws) made = remesher.result(context);

@@ -61,6 +61,7 @@ class CellsAlong::Flood {
   void clear() {
     for (const std::int32_t node : touched_) distances_[as_index(node)] = kFar;
     touched_.clear();
+    front_ = 0.0;
   }
 
   void start(const Sites& sites, std::size_t site) {
@@ -74,11 +75,15 @@ class CellsAlong::Flood {
   /// \param limit called with a node: how far it may be
   template <typename Limit>
   void run(const Limit& limit) {
-    while (!open_.empty()) {
-      const auto [distance, node] = open_.top();
-      open_.pop();
-      if (distance > distances_[as_index(node)]) continue;
-      for (const std::int32_t corner : cells_.corners_at(node)) pass_on(corner, limit);
+    for (; !open_.empty(); std::swap(open_, later_)) {
+      front_ = 0.0;
+      while (!open_.empty()) {
+        const auto [distance, node] = open_.top();
+        open_.pop();
+        if (distance > distances_[as_index(node)]) continue;
+        front_ = distance;
+        for (const std::int32_t corner : cells_.corners_at(node)) pass_on(corner, limit);
+      }
     }
   }
 
@@ -88,6 +93,7 @@ class CellsAlong::Flood {
 
  private:
   using Entry = std::pair<double, std::int32_t>;  // distance, node
+  using Queue = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
 
   void offer(std::int32_t node, std::int32_t site, double distance) {
     double& known = distances_[as_index(node)];
@@ -95,7 +101,7 @@ class CellsAlong::Flood {
     if (known == kFar) touched_.push_back(node);
     known = distance;
     sites_[as_index(node)] = site;
-    open_.push({distance, node});
+    (distance < front_ ? later_ : open_).push({distance, node});
   }
 
   /// From the corner of a face to the others. They may have been reached before: a straight way
@@ -123,7 +129,11 @@ class CellsAlong::Flood {
   std::vector<double> distances_;
   std::vector<std::int32_t> sites_;
   std::vector<std::int32_t> touched_;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
+  // A way across an edge may reach a node nearer than the front has come. Such nodes wait for the
+  // next sweep: gone on from at once, they would be reached anew for each of many nearer ways
+  // along needles.
+  Queue open_, later_;
+  double front_ = 0.0;  // the distance that the sweep has come to
 };
 
 CellsAlong::CellsAlong(const Surface& surface) : surface_(surface), mesh_(surface.ordered()) {

@@ -251,25 +251,6 @@ class SideGraph {
   std::vector<std::int32_t> rows_;  // per site, one more
 };
 
-/// Edges of two or more triangles that run in the same direction, where no line allows it.
-void find_repeated_edges(std::span<const Face> triangles, std::span<const SiteKind> kinds,
-                         const Sites& sites, std::vector<Violation>& violations) {
-  std::vector<std::array<std::int32_t, 2>> edges;
-  for (const Face& t : triangles)
-    for (std::size_t k = 0; k < 3; ++k) edges.push_back({t[k], t[(k + 1) % 3]});
-  parallel_sort(edges);
-  for (std::size_t k = 1; k < edges.size(); ++k) {
-    if (edges[k] != edges[k - 1]) continue;
-    const auto [a, b] = edges[k];
-    if (kinds[as_index(a)] != SiteKind::kFree && kinds[as_index(b)] != SiteKind::kFree) continue;
-    violations.push_back(
-        {a,
-         Flaw::kMetTwice,
-         {.position = sites.positions[as_index(b)], .face = sites.faces[as_index(b)]},
-         {}});
-  }
-}
-
 /// Triangles of the same three sites, as the two sides of a flat body have them.
 void find_repeated_triangles(std::span<const Face> triangles, std::span<const Place> places,
                              std::vector<Violation>& violations) {
@@ -307,6 +288,22 @@ double smallest_cosine_first(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 }  // namespace
+
+void find_repeated_edges(std::span<const Face> triangles, std::span<const Place> places,
+                         std::span<const SiteKind> kinds, std::vector<Violation>& violations) {
+  std::vector<std::array<std::int32_t, 3>> edges;  // from, to, triangle
+  for (std::size_t k = 0; k < triangles.size(); ++k)
+    for (std::size_t c = 0; c < 3; ++c)
+      edges.push_back({triangles[k][c], triangles[k][(c + 1) % 3], static_cast<std::int32_t>(k)});
+  parallel_sort(edges);
+  for (std::size_t k = 1; k < edges.size(); ++k) {
+    const auto& [from, to, triangle] = edges[k - 1];
+    if (from != edges[k][0] || to != edges[k][1]) continue;
+    if (kinds[as_index(from)] != SiteKind::kFree && kinds[as_index(to)] != SiteKind::kFree)
+      continue;
+    violations.push_back({from, Flaw::kMetTwice, places[as_index(triangle)], {}});
+  }
+}
 
 void add_triangles(std::span<const std::int32_t> polygon, std::span<const Vec3> positions,
                    std::vector<Face>& triangles) {
@@ -376,7 +373,7 @@ Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sit
   find_repeated_triangles(result.triangles, result.corners, result.violations);
   result.lines = graph.edges_on_lines();
   if (result.violations.empty())
-    find_repeated_edges(result.triangles, kinds, sites, result.violations);
+    find_repeated_edges(result.triangles, result.corners, kinds, result.violations);
   if (context) context->advance(1.0);
   return result;
 }

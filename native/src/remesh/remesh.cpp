@@ -55,9 +55,10 @@ Adapted adapted_density(const Surface& surface, std::size_t count, const RemeshO
   for (int k = 0, since = 0; k <= kAdaptations && since < kAdaptingPatience; ++k) {
     Stretch round(context, k / (kAdaptations + 1.0), (k + 1.0) / (kAdaptations + 1.0));
     const Surface dense = with_values(surface, now);
-    Remesher remesher(dense, count, rough, lines, {.free = start});
+    Remesher remesher(dense, count, rough, lines, {.solution = start});
     remesher.run(round.context());
-    start = remesher.free_sites();
+    // Without lines, meshes from new starts come nearer.
+    if (!lines.chains().empty()) start = remesher.solution();
     const RemeshResult mesh = remesher.result(context).mesh;
     best.evaluations += mesh.report.evaluations;
     const MeshDistances far = check.distances(mesh, context);

@@ -19,17 +19,23 @@
 namespace dapple {
 namespace {
 
-constexpr int kMendings = 30;                           // rounds of adding sites
-constexpr int kPatience = 6;                            // rounds that mend nothing in total
+constexpr int kMendings = 30;                      // rounds of adding sites
+constexpr int kPatience = 6, kDensePatience = 14;  // of them that mend nothing in total
+constexpr int kStalled = 2;                        // the same, before many are added at a time
+constexpr int kHalvings = 3;      // rounds in which cells in space must lose half of their flaws
+constexpr std::size_t kFew = 10;  // flaws that need not be halved
+constexpr std::size_t kHopeless = 4;  // flaws a site: cells reach through walls everywhere
 constexpr std::size_t kMostTimes = 4, kMostMore = 500;  // most sites, by the count asked for
 constexpr int kDroppings = 6;                           // times that creases are given up
-constexpr int kThinnings = 6;                           // rounds of taking sites away elsewhere
+constexpr int kThinnings = 16;                          // rounds of taking sites away elsewhere
+constexpr int kShortThinnings = 6;                      // the same, if they take few
+constexpr std::size_t kLeastThinned = 32;               // that are not few
 constexpr int kTurnings = 4;                            // rounds for triangles that face away
 constexpr int kTurnsInRow = 3;        // sites added in one, because others may turn over then
 constexpr std::size_t kSkips = 4;     // sites tried to be taken away instead
 constexpr int kApproaches = 60;       // rounds of adding sites at far places
 constexpr int kSettlings = 4;         // of them, after which others move
-constexpr double kRough = 10.0;       // times the tolerance, beside lines that changed
+constexpr double kRough = 10.0;       // times the tolerance, of sites that were even before
 constexpr int kFewEvaluations = 12;   // after local changes
 constexpr double kFinest = 1.0 / 64;  // of the same: the shortest
 constexpr double kSolved = 0.8;       // of the progress
@@ -53,6 +59,33 @@ ClassOptions class_options(const RemeshOptions& options) {
   result.sample.cells = options.cells;
   return result;
 }
+
+/// How long adding sites has mended nothing.
+class Stalls {
+ public:
+  Stalls(std::size_t sites, bool along) : sites_(sites), along_(along) {}
+
+  void add(std::size_t flaws) {
+    since_ = flaws < least_ ? 0 : since_ + 1;
+    least_ = std::min(least_, flaws);
+    since_half_ = 2 * flaws < half_ ? 0 : since_half_ + 1;
+    if (since_half_ == 0) half_ = flaws;
+  }
+
+  [[nodiscard]] int since() const { return since_; }
+
+  /// Whether cells in space cannot have the topology: they reach through walls in too many places.
+  [[nodiscard]] bool are_hopeless() const {
+    if (along_) return false;
+    return (since_half_ >= kHalvings && least_ > kFew) || least_ > kHopeless * sites_;
+  }
+
+ private:
+  std::size_t sites_;
+  bool along_;
+  int since_ = 0, since_half_ = 0;
+  std::size_t least_ = std::numeric_limits<std::size_t>::max(), half_ = least_;
+};
 
 /// Sort the triangles, and drop those that lie on others, which are flaws of the topology.
 void sort_faces(std::vector<Face>& faces) {
@@ -103,7 +136,6 @@ void Remesher::run(Context* context) {
       thinning(context, end * kMended, end), approaching(context, end, 1.0);
   solve(solving.context());
   mend_all(mending.context());
-  keep_best();
   thin_all(thinning.context());
   turn_all(thinning.context());
   approach(approaching.context());
@@ -112,7 +144,7 @@ void Remesher::run(Context* context) {
 void Remesher::give_up(Context* context) {
   best_sites_ = {};  // it holds a mesh that keeps all lines
   distance_ = 0.0;
-  dense_ = false;
+  gives_up_ = true;
   Stretch mending(context, 0.0, kMended), thinning(context, kMended, 1.0);
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (int k = 0; k < kDroppings && !dual_.violations.empty() && drop_hopeless(); ++k) {
@@ -121,19 +153,6 @@ void Remesher::give_up(Context* context) {
     if (dual_.violations.size() >= least) break;
     least = dual_.violations.size();
   }
-  keep_best();
-  thin_all(thinning.context());
-  turn_all(thinning.context());
-  approach(thinning.context());
-}
-
-void Remesher::insist(Context* context) {
-  Stretch mending(context, 0.0, kMended), thinning(context, kMended, 1.0);
-  dense_ = true;
-  sites_ = best_sites_;
-  dual_ = best_;
-  mend_densely(mending.context());
-  keep_best();
   thin_all(thinning.context());
   turn_all(thinning.context());
   approach(thinning.context());
@@ -178,7 +197,6 @@ void Remesher::solve(Context* context) {
   evaluations_ += found.minimum.evaluations;
   converged_ = found.minimum.converged;
   solution_ = found.minimum.state.sites;
-  solved_lines_ = on_lines.sites.size();
   sites_ = {};
   sites_.add(found.minimum.state.sites, SiteKind::kFree, -1, false);
   for (std::size_t k = 0; k < on_lines.sites.size(); ++k) {
@@ -196,7 +214,8 @@ ClassMinimum Remesher::solve_anew(const SampleClass& all, Context* context) cons
 }
 
 Sites Remesher::solution_beside(const Sites& places, std::size_t count) const {
-  if (solution_.size() < count || places.size() == 0) return {};
+  if (solution_.size() < count) return {};
+  if (places.size() == 0) return solution_.size() == count ? solution_ : Sites();
   const Neighbors tree(places.positions);
   std::vector<Neighbor> nearest;
   std::vector<std::pair<double, std::int32_t>> order;  // farthest first, then the lower index
@@ -239,6 +258,7 @@ void Remesher::settle(const std::vector<bool>& moving, Context* context) {
   if (std::ranges::find(locked, false) == locked.end()) return;
   OptimizerOptions optimizer = options_.optimizer;
   optimizer.max_evaluations = std::min(optimizer.max_evaluations, kFewEvaluations);
+  optimizer.tolerance *= kRough;
   ClassMinimum found = dapple::solve(
       make_objective(problem, class_of_sites(problem), class_options(options_), locked),
       sites_.sites, optimizer, context);
@@ -254,41 +274,24 @@ void Remesher::look(Context* context) {
 }
 
 void Remesher::mend_all(Context* context) {
-  if (!add_sites(false, context) && dense_) mend_densely(context);
-}
-
-void Remesher::mend_densely(Context* context) {
-  RemeshSites sites = sites_;
-  Dual dual = dual_;
-  std::size_t least = dual.violations.size() / 2;  // more sites are worth no less
-  const auto look_back = [&] {
-    if (dual_.violations.size() > least) return;
-    least = dual_.violations.size();
-    sites = sites_;
-    dual = dual_;
-  };
-  if (add_sites(true, context, look_back)) return;
-  sites_ = std::move(sites);
-  dual_ = std::move(dual);
-}
-
-bool Remesher::add_sites(bool dense, Context* context, const std::function<void()>& looked) {
-  std::size_t least = std::numeric_limits<std::size_t>::max();
-  int since = 0;  // rounds without progress
+  Stalls stalls(sites_.size(), along_ != nullptr);
+  bool dense = false;
   const std::size_t most = kMostTimes * count_ + kMostMore;
-  for (int k = 0; k < kMendings && since < kPatience && sites_.size() < most; ++k) {
+  for (int k = 0; k < kMendings; ++k) {
     check_context(context);
     if (context) context->advance(k / (k + kHalfWay));
     look(nullptr);
-    looked();
-    since = dual_.violations.size() < least ? 0 : since + 1;
-    least = std::min(least, dual_.violations.size());
-    if (dual_.violations.empty()) return true;
-    if (mend(surface_, lines_, dual_.violations, sites_, dense) == 0) return false;
+    keep_best();
+    if (dual_.violations.empty() || sites_.size() >= most) return;
+    stalls.add(dual_.violations.size());
+    // Where walls are thinner than cells, as of fingers, new sites bring new flaws for a while: if
+    // few at a time mend nothing, many at a time may.
+    dense = dense || (along_ && !gives_up_ && stalls.since() >= kStalled);
+    if (stalls.are_hopeless() || stalls.since() >= (dense ? kDensePatience : kPatience)) return;
+    if (mend(surface_, lines_, dual_.violations, sites_, dense) == 0) return;
   }
   look(nullptr);
-  looked();
-  return dual_.violations.empty();
+  keep_best();
 }
 
 void Remesher::keep_best() {
@@ -302,8 +305,11 @@ void Remesher::keep_best() {
 }
 
 void Remesher::thin_all(Context* context) {
-  for (int k = 0; k < kThinnings && best_sites_.size() > count_ && best_.violations.empty(); ++k)
+  for (int k = 0; k < kThinnings && best_sites_.size() > count_ && best_.violations.empty(); ++k) {
+    const std::size_t before = best_sites_.size();
     if (!thin(context)) break;
+    if (k >= kShortThinnings && before - best_sites_.size() < kLeastThinned) break;
+  }
 }
 
 bool Remesher::thin(Context* context, std::size_t skipped) {
@@ -319,9 +325,7 @@ bool Remesher::thin(Context* context, std::size_t skipped) {
   stays.flip();
   settle(stays, context);
   mend_all(context);
-  const bool better = dual_.violations.empty() && sites_.size() < before;
-  keep_best();
-  return better;
+  return dual_.violations.empty() && sites_.size() < before;
 }
 
 void Remesher::turn_all(Context* context) {
@@ -336,7 +340,6 @@ void Remesher::turn_all(Context* context) {
 
 bool Remesher::polish_turns_all(Context* context) const {
   if (options_.max_distance > 0.0) return false;  // it may not be kept
-  if (best_sites_.size() > count_) return false;  // turning may take away those too many
   RemeshSites sites = best_sites_;
   Dual dual = best_;
   polish(surface_, lines_, count_, sites, dual, context);

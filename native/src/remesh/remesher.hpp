@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dapple/remesh.hpp>
-#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -36,7 +35,7 @@ struct TracedMesh {
 
 /// What a remesh begins with; nothing: a random start.
 struct Beginning {
-  Sites free = {};         ///< sites of an earlier solution that are on no line
+  Sites solution = {};     ///< of an earlier remesh, all sites, with those on lines
   RemeshSites given = {};  ///< all sites, with those on lines, which name_lines() finds
   KeptTriangles kept = {};
 };
@@ -56,7 +55,7 @@ class Remesher {
         lines_(std::move(lines)),
         given_(std::move(beginning.given)),
         kept_(std::move(beginning.kept)),
-        solution_(std::move(beginning.free)) {}
+        solution_(std::move(beginning.solution)) {}
 
   /// Take cells by distances along the surface, whose faces are to be smaller than the cells.
   void follow_surface() { along_ = std::make_shared<const CellsAlong>(surface_); }
@@ -66,9 +65,6 @@ class Remesher {
   /// Drop creases and marked edges where nothing else helps, after run() has left flaws.
   void give_up(Context* context);
 
-  /// Add many sites at a time, where nothing else has helped.
-  void insist(Context* context);
-
   /// The best mesh, with its thin triangles made wider.
   [[nodiscard]] TracedMesh result(Context* context) const;
   [[nodiscard]] std::size_t flaws() const { return best_.violations.size(); }
@@ -76,8 +72,8 @@ class Remesher {
   /// Per face the longest edge with which cells that are flawed have faces smaller than themselves.
   [[nodiscard]] std::vector<double> finer_edges() const;
 
-  /// The sites of the last solution that are on no line.
-  [[nodiscard]] Sites free_sites() const { return without_first(solution_, solved_lines_); }
+  /// The sites of the last solution, before any were added for the topology.
+  [[nodiscard]] const Sites& solution() const { return solution_; }
 
  private:
   /// Drop creases at which the topology cannot be reached, such as two that touch; then marked
@@ -87,7 +83,7 @@ class Remesher {
   /// Space the given sites evenly from where they are.
   void solve_given(Context* context);
   [[nodiscard]] ClassMinimum solve_anew(const SampleClass& all, Context* context) const;
-  /// So many sites of the last solution: those farthest from places on lines, which may be their
+  /// So many sites of the earlier solution: those farthest from places on lines, which may be their
   /// own; none if there are too few.
   [[nodiscard]] Sites solution_beside(const Sites& places, std::size_t count) const;
   /// Space free sites evenly among those on lines, from where they are.
@@ -98,15 +94,8 @@ class Remesher {
   /// Space the free sites among the marked ones evenly again.
   void settle(const std::vector<bool>& moving, Context* context);
   void look(Context* context);
-  /// Add sites until the dual has the topology of the surface.
+  /// Add sites until the dual has the topology of the surface, or adding more does not help.
   void mend_all(Context* context);
-  /// Where walls are thinner than cells, as of fingers, new sites bring new flaws for a while: if
-  /// few at a time mend nothing, many at a time may.
-  void mend_densely(Context* context);
-  /// \param dense many at a time
-  /// \param looked called after each look
-  /// \return whether nothing is left to mend
-  bool add_sites(bool dense, Context* context, const std::function<void()>& looked = [] {});
   void keep_best();
   void thin_all(Context* context);
   /// Take away as many sites as there are too many, where the topology does not need them.
@@ -140,12 +129,11 @@ class Remesher {
   RemeshSites given_;  // none: sites are to be found
   KeptTriangles kept_;
   std::shared_ptr<const CellsAlong> along_;  // null: cells in space
-  Sites solution_;                           // of the last solve(), those on lines first
-  std::size_t solved_lines_ = 0;             // of them
+  Sites solution_;                           // of the last solve()
   RemeshSites sites_, best_sites_;
   Dual dual_, best_;
   std::size_t dropped_lines_ = 0;
-  bool dense_ = false;           // sites may be added many at a time
+  bool gives_up_ = false;        // lines may be dropped
   double distance_ = 0.0;        // of the best mesh; 0: it was not looked at
   RemeshSites looked_at_sites_;  // by the last far_places()
   int evaluations_ = 0;

@@ -17,7 +17,7 @@ constexpr double kApart = 0.5;  // of a place's distance from its site: edits th
 constexpr double kFarApart = 4.0, kDenseApart = 1.0;
 constexpr double kBeside = 1.0;  // the same for places that are far from the mesh
 constexpr double kAway = 1e-6;   // of the spacing, a place that is no other than its site
-constexpr int kKeptRings = 2;    // around sites that stay
+constexpr int kKeptRings = 1;    // around sites that stay
 
 Sites site_at(const Surface& surface, const Place& place) {
   const OrderedSurface& mesh = surface.ordered();

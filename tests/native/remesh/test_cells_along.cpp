@@ -101,6 +101,24 @@ TEST(CellsAlong, APartWithoutSitesBelongsToTheNearest) {
   EXPECT_NEAR(total, 2.0, 1e-9);
 }
 
+/// A strip of faces hundreds of times longer than wide, leaning to both sides.
+Shape needles() {
+  return mapped(grid(100), [](const Vec3& p) {
+    return Vec3(p[0] + 0.3 * std::sin(40.0 * p[1]), 1e-3 * p[1], 0.05 * std::sin(7.0 * p[0]));
+  });
+}
+
+TEST(CellsAlong, NeedlesAreDividedAtOnce) {
+  const Surface surface = needles().surface();
+  const Sites sites = sites_on(surface, 611);
+  double total = 0.0;
+  for (const double area : areas_of(CellsAlong(surface).polygons(sites), sites.size())) {
+    EXPECT_GT(area, 0.0);
+    total += area;
+  }
+  EXPECT_NEAR(total, surface.area(), 1e-9);
+}
+
 TEST(CellsAlong, WithoutSitesThereAreNone) {
   EXPECT_TRUE(CellsAlong(grid(2).surface()).polygons(Sites()).empty());
 }
