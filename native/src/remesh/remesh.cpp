@@ -57,8 +57,9 @@ Adapted adapted_density(const Surface& surface, std::size_t count, const RemeshO
     const Surface dense = with_values(surface, now);
     Remesher remesher(dense, count, rough, lines, {.solution = start});
     remesher.run(round.context());
-    // Without lines, meshes from new starts come nearer.
-    if (!lines.chains().empty()) start = remesher.solution();
+    // Meshes from new starts come nearer: without lines, or if fewer sites are on lines than
+    // before.
+    if (!lines.chains().empty()) start = remesher.free_sites();
     const RemeshResult mesh = remesher.result(context).mesh;
     best.evaluations += mesh.report.evaluations;
     const MeshDistances far = check.distances(mesh, context);

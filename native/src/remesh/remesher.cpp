@@ -197,6 +197,7 @@ void Remesher::solve(Context* context) {
   evaluations_ += found.minimum.evaluations;
   converged_ = found.minimum.converged;
   solution_ = found.minimum.state.sites;
+  solved_lines_ = on_lines.sites.size();
   sites_ = {};
   sites_.add(found.minimum.state.sites, SiteKind::kFree, -1, false);
   for (std::size_t k = 0; k < on_lines.sites.size(); ++k) {

@@ -35,7 +35,7 @@ struct TracedMesh {
 
 /// What a remesh begins with; nothing: a random start.
 struct Beginning {
-  Sites solution = {};     ///< of an earlier remesh, all sites, with those on lines
+  Sites solution = {};     ///< sites of an earlier remesh, with or without those on lines
   RemeshSites given = {};  ///< all sites, with those on lines, which name_lines() finds
   KeptTriangles kept = {};
 };
@@ -74,6 +74,8 @@ class Remesher {
 
   /// The sites of the last solution, before any were added for the topology.
   [[nodiscard]] const Sites& solution() const { return solution_; }
+  /// Those that are on no line.
+  [[nodiscard]] Sites free_sites() const { return without_first(solution_, solved_lines_); }
 
  private:
   /// Drop creases at which the topology cannot be reached, such as two that touch; then marked
@@ -129,7 +131,8 @@ class Remesher {
   RemeshSites given_;  // none: sites are to be found
   KeptTriangles kept_;
   std::shared_ptr<const CellsAlong> along_;  // null: cells in space
-  Sites solution_;                           // of the last solve()
+  Sites solution_;                           // of the last solve(), those on lines first
+  std::size_t solved_lines_ = 0;             // of them
   RemeshSites sites_, best_sites_;
   Dual dual_, best_;
   std::size_t dropped_lines_ = 0;
