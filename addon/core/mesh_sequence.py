@@ -1,47 +1,60 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A new mesh for each frame of an animation whose faces change, which goes on from the last one."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from .base.errors import ScatterError
 from .base.native import named, package
 from .remesh import NewMesh, OldMesh, Options, surface_of, with_sources
+from .surface.arrays import Ints
 
 
 @dataclass(frozen=True)
 class SequenceFrame:
     """The new mesh of a frame."""
 
-    new: NewMesh  # without its surface, as all frames are in memory
-    made: Any  # the package's SequenceMesh
+    new: NewMesh
+    ids: Ints  # (n,) of its vertices, which stay from frame to frame
+
+
+@dataclass(frozen=True)
+class _Figures:
+    """What is known of a frame once its mesh is written."""
+
+    vertices: int
+    kept: int  # vertices that have not moved since the frame before
+    flaws: int  # places where the topology is another one
 
 
 @dataclass
 class MeshSequence:
-    """The new meshes of the frames so far."""
+    """The new meshes of an animation, of which only the last one is in memory."""
 
     name: str  # of the object, for messages
     first: int  # number of the first frame
     count: int  # of vertices of the first mesh
     options: Options
-    frames: list[SequenceFrame | None] = field(default_factory=list)  # None: one without faces
+    _frames: list[_Figures | None] = field(default_factory=list)  # None: one without faces
     _sequence: Any = field(default=None, repr=False)
 
-    def advance(self, old: OldMesh, context: Any) -> None:
-        """Remesh the next frame."""
-        frame = self.first + len(self.frames)
+    def advance(self, old: OldMesh, context: Any) -> SequenceFrame | None:
+        """Remesh the next frame; None if it has no faces."""
+        frame = self.first + len(self._frames)
         try:
             with named(self.name):
                 found = self._next(old, context)
         except ScatterError as error:
             raise ScatterError(f"Frame {frame}: {error}") from error
         if found is None:
-            self.frames.append(None)
-            return
+            self._frames.append(None)
+            return None
         surface, made = found
         new = with_sources(surface, old, made.mesh, self.options["max_distance"])
-        self.frames.append(SequenceFrame(replace(new, surface=None), made))
+        self._frames.append(_Figures(len(made.ids), made.kept, made.mesh.report.flaws))
+        return SequenceFrame(new, np.array(made.ids))
 
     def _next(self, old: OldMesh, context: Any) -> tuple[Any, Any] | None:
         """The surface of the frame and its SequenceMesh; None without faces."""
@@ -57,29 +70,34 @@ class MeshSequence:
         return surface, self._sequence.first
 
     @property
-    def made(self) -> list[Any]:
-        """The package's SequenceMesh of each frame that has faces."""
-        return [frame.made for frame in self.frames if frame]
+    def frame_count(self) -> int:
+        """How many frames there are so far."""
+        return len(self._frames)
 
     def check(self) -> None:
         """ScatterError if no frame had faces."""
-        if not self.made:
+        if not self._made:
             raise ScatterError(f"'{self.name}' has no faces: a new mesh needs a surface")
 
     @property
     def counts(self) -> tuple[int, int]:
         """The least and the largest number of vertices of a frame that has some."""
-        counts = [len(one.ids) for one in self.made]
+        counts = [one.vertices for one in self._made]
         return min(counts), max(counts)
 
     @property
     def kept(self) -> float:
         """The share of vertices that have not moved since the frame before."""
-        later = self.made[1:]
-        vertices = sum(len(one.ids) for one in later)
+        later = self._made[1:]
+        vertices = sum(one.vertices for one in later)
         return sum(one.kept for one in later) / vertices if vertices else 1.0
 
     @property
     def flaws(self) -> int:
         """Places of all frames where the topology is another one."""
-        return sum(one.mesh.report.flaws for one in self.made)
+        return sum(one.flaws for one in self._made)
+
+    @property
+    def _made(self) -> list[_Figures]:
+        """The frames that have faces."""
+        return [one for one in self._frames if one]

@@ -259,7 +259,7 @@ def _sequence_messages(name: str, sequence: MeshSequence) -> Messages:
         "'{name}': {frames:,} frames with {least:,} to {most:,} vertices, of which {kept:.0f} % "
         "stay from frame to frame",
         name=name,
-        frames=len(sequence.frames),
+        frames=sequence.frame_count,
         least=least,
         most=most,
         kept=100 * sequence.kept,

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An animated object whose faces change, such as a fluid, as a new object with a mesh per frame."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from functools import partial
 
 import bpy
@@ -9,7 +12,7 @@ from mathutils import Matrix
 
 from ...core.base.errors import ScatterError
 from ...core.base.steps import Steps, Task
-from ...core.mesh_sequence import MeshSequence
+from ...core.mesh_sequence import MeshSequence, SequenceFrame
 from ...core.remesh import Options
 from ...core.surface.arrays import Floats
 from ...nodes.builder import ensure
@@ -35,55 +38,69 @@ def sequence_steps(
 ) -> Steps:
     """Make a new object that shows a new mesh on each of a range of frames; the object is hidden.
     Returns the MeshSequence.
+
+    The mesh of a frame is written before the next frame is read, so that no step takes long and
+    only one of them is in memory twice.
     """
     handle = ObjectHandle(obj)
     first, last = chosen_times(context.scene, *frames)
     if options["adaptive"]:
         raise ScatterError("Adaptive is for one mesh: a sequence keeps its spacing")
     given = {name: value for name, value in options.items() if name != "adaptive"}
-    sequence = MeshSequence(obj.name, first, count, given)
-    shown = []
-    with frame_kept(context.scene):
+    sequence, made = MeshSequence(obj.name, first, count, given), _Meshes()
+    share = 1.0 / (last - first + 1)
+    with frame_kept(context.scene), made.removed_if_unused():
         for k in range(last - first + 1):
-            old, on_frame = read_first(handle, first + k, density)
-            shown.append(on_frame)
-            share = 1.0 / (last - first + 1)
-            yield Task(partial(sequence.advance, old), share * k, share * (k + 1))
+            old, shown = read_first(handle, first + k, density)
+            advance = partial(sequence.advance, old)
+            frame = yield Task(advance, share * k, share * (k + 1))
+            made.add(_mesh_of_frame(handle, first + k, frame, shown), shown.matrix)
         sequence.check()
         with all_or_nothing(bpy.context, [handle.get()]):
-            _write(handle.get(), sequence, shown)
+            _show(handle.get(), made, first)
     return sequence
 
 
-def _write(obj: bpy.types.Object, sequence: MeshSequence, shown: list[Shown]) -> None:
-    """The meshes in a collection that no scene has, and an object that shows them."""
-    frames = bpy.data.collections.new(f"{obj.name} Frames")
-    start = np.linalg.inv(shown[0].matrix)
-    for k, before in enumerate(shown):
-        mesh = _mesh_of_frame(obj, sequence, k, before)
-        mesh.transform(_matrix(start @ before.matrix))
-        frames.objects.link(bpy.data.objects.new(f"{k:06d} {obj.name}", mesh))
-    made = bpy.data.objects.new(f"{obj.name} Remeshed", bpy.data.meshes.new(f"{obj.name} Remeshed"))
-    for material in obj.data.materials:
-        made.data.materials.append(material)
-    made.matrix_world = _matrix(shown[0].matrix)
-    for collection in obj.users_collection:
-        collection.objects.link(made)
-    modifier = made.modifiers.new(SEQUENCE.name, "NODES")
-    modifier.node_group = ensure(SEQUENCE)
-    set_input(modifier, "Frames", frames)
-    set_input(modifier, "Start", sequence.first)
-    once_done(partial(_show_instead, ObjectHandle(obj), ObjectHandle(made)))
+@dataclass
+class _Meshes:
+    """The meshes of the frames so far, which nothing uses yet: Blender does not save such ones."""
+
+    matrices: list[Floats] = field(default_factory=list)  # of the object
+    _uids: list[int] = field(default_factory=list)  # an undo would make references invalid
+
+    def add(self, mesh: bpy.types.Mesh, matrix: Floats) -> None:
+        """The mesh of the next frame."""
+        self._uids.append(mesh.session_uid)
+        self.matrices.append(matrix)
+
+    def all(self, name: str) -> list[bpy.types.Mesh]:
+        """All meshes in the order of the frames; ScatterError if one was removed."""
+        found = self._found()
+        if len(found) < len(self._uids):
+            raise ScatterError(f"'{name}': a mesh was removed in the meantime: nothing was written")
+        return [found[uid] for uid in self._uids]
+
+    @contextmanager
+    def removed_if_unused(self) -> Iterator[None]:
+        """Remove those that no object uses afterward."""
+        try:
+            yield
+        finally:
+            bpy.data.batch_remove([mesh for mesh in self._found().values() if not mesh.users])
+
+    def _found(self) -> dict[int, bpy.types.Mesh]:
+        wanted = set(self._uids)
+        return {mesh.session_uid: mesh for mesh in bpy.data.meshes if mesh.session_uid in wanted}
 
 
 def _mesh_of_frame(
-    obj: bpy.types.Object, sequence: MeshSequence, k: int, before: Shown
+    handle: ObjectHandle, number: int, frame: SequenceFrame | None, before: Shown
 ) -> bpy.types.Mesh:
     """The new mesh of a frame with the data of the shown one; an empty one without faces."""
-    frame = sequence.frames[k]
+    obj = handle.get()
     if frame is None:
         return bpy.data.meshes.new(obj.name)
-    _, now = read_first(ObjectHandle(obj), sequence.first + k, "")
+    _, now = read_first(handle, number, "")
     if not now.is_like(before):
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
     with shown_copy(obj) as old:
@@ -91,8 +108,28 @@ def _mesh_of_frame(
     mesh.name = obj.name
     if _ID in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[_ID])
-    mesh.attributes.new(_ID, "INT", "POINT").data.foreach_set("value", frame.made.ids)
+    mesh.attributes.new(_ID, "INT", "POINT").data.foreach_set("value", frame.ids)
     return mesh
+
+
+def _show(obj: bpy.types.Object, made: _Meshes, first: int) -> None:
+    """The meshes in a collection that no scene has, and an object that shows them."""
+    frames = bpy.data.collections.new(f"{obj.name} Frames")
+    start = np.linalg.inv(made.matrices[0])
+    for k, (mesh, matrix) in enumerate(zip(made.all(obj.name), made.matrices, strict=True)):
+        mesh.transform(_matrix(start @ matrix))
+        frames.objects.link(bpy.data.objects.new(f"{k:06d} {obj.name}", mesh))
+    new = bpy.data.objects.new(f"{obj.name} Remeshed", bpy.data.meshes.new(f"{obj.name} Remeshed"))
+    for material in obj.data.materials:
+        new.data.materials.append(material)
+    new.matrix_world = _matrix(made.matrices[0])
+    for collection in obj.users_collection:
+        collection.objects.link(new)
+    modifier = new.modifiers.new(SEQUENCE.name, "NODES")
+    modifier.node_group = ensure(SEQUENCE)
+    set_input(modifier, "Frames", frames)
+    set_input(modifier, "Start", first)
+    once_done(partial(_show_instead, ObjectHandle(obj), ObjectHandle(new)))
 
 
 def _matrix(rows: Floats) -> Matrix:

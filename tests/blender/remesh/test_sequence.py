@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Remesh with Dapple, Bake to Sequence: a mesh for each frame of a body whose faces change."""
 
+import addon_host
 import bpy
 import dapple3d as dapple
 import numpy as np
@@ -137,3 +138,104 @@ def test_the_file_shows_them_again(tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "carved.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "carved.blend"))
     np.testing.assert_array_equal(shown_on(bpy.data.objects["Block Remeshed"], [3])[3][0], before)
+
+
+def stepped():
+    """The bake of a carved block in steps, and what drives it."""
+    options = {"feature_angle": 30.0, "max_distance": 0.0, "adaptive": False}
+    work = addon_host.part("blender.remesh.sequence").sequence_steps(
+        bpy.context, bpy.context.object, 300, "", options, (1, 4)
+    )
+    return addon_host.part("core.base.steps").Stepper(work)
+
+
+def blocks():
+    """Names of all data-blocks that a bake makes."""
+    lists = ("objects", "meshes", "collections", "node_groups")
+    return {one.name_full for name in lists for one in getattr(bpy.data, name)}
+
+
+def test_frames_are_written_one_after_another():
+    carved()
+    before, stepper = set(bpy.data.meshes), stepped()
+    counts = []
+    while not stepper.poll(wait=0.01):
+        counts.append(len(set(bpy.data.meshes) - before))
+    assert sorted(set(counts)) == [0, 1, 2, 3]
+    assert counts == sorted(counts)
+    assert len(set(bpy.data.meshes) - before) == 5  # one of them is that of the new object
+    assert stepper.result.frame_count == 4
+
+
+def test_a_canceled_bake_leaves_nothing():
+    block = carved()
+    bpy.context.scene.frame_set(3)
+    before, stepper = blocks(), stepped()
+    while stepper.progress < 0.6:
+        stepper.poll(wait=0.01)
+    assert blocks() != before
+    stepper.cancel()
+    with pytest.raises(addon_host.part("core.base.errors").StoppedError, match="Canceled"):
+        stepper.poll(wait=60.0)
+    assert blocks() == before
+    assert bpy.context.scene.frame_current == 3
+    assert not block.hide_get()
+    assert bpy.context.object == block
+
+
+PRESSED = {**BAKE, "feature_angle": 0.5, "max_distance": 0.0, "adaptive": False, "density": ""}
+
+
+def test_in_the_background_it_is_one_step_of_undo(artist):
+    carved()
+    bpy.context.scene.frame_set(3)
+    before = blocks()
+    bpy.ops.ed.undo_push(message="Before")
+    assert artist.press("remesh", **PRESSED) == {"CANCELLED"}
+    artist.until(lambda: artist.work.job.progress > 0.5)
+    assert artist.work.line().startswith("Remesh with Dapple: ")
+    artist.finish()
+    assert bpy.context.object.name == "Block Remeshed"
+    assert bpy.context.scene.frame_current == 3
+    assert "4 frames with" in artist.said(bpy.data.objects["Block"])[-1][1]
+    made = shown_on(bpy.context.object, [3])[3][0]
+    bpy.ops.ed.undo()
+    assert blocks() == before
+    assert not bpy.data.objects["Block"].hide_get()
+    bpy.ops.ed.redo()
+    np.testing.assert_array_equal(shown_on(bpy.data.objects["Block Remeshed"], [3])[3][0], made)
+
+
+def test_in_the_background_an_undo_ends_it(artist):
+    carved()
+    bpy.ops.ed.undo_push(message="Before")
+    bpy.data.objects["Ball"].location.y = 0.1
+    bpy.ops.ed.undo_push(message="Moved")
+    before = blocks()
+    artist.press("remesh", **PRESSED)
+    artist.until(lambda: artist.work.job.progress > 0.5)
+    bpy.ops.ed.undo()
+    artist.finish()
+    assert blocks() == before
+    assert not bpy.data.objects["Block"].hide_get()
+
+
+def test_a_mesh_that_is_removed_meanwhile_ends_it(artist):
+    block = carved()
+    before = blocks()
+    artist.press("remesh", **PRESSED)
+    artist.until(lambda: artist.work.job.progress > 0.5)
+    bpy.data.orphans_purge()
+    artist.finish()
+    assert "a mesh was removed in the meantime" in artist.said(block)[-1][1]
+    assert blocks() <= before
+
+
+def test_files_saved_meanwhile_contain_no_frames(artist, tmp_path):
+    carved()
+    artist.press("remesh", **PRESSED)
+    artist.until(lambda: artist.work.job.progress > 0.5)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "meanwhile.blend"), copy=True)
+    artist.finish()
+    with bpy.data.libraries.load(str(tmp_path / "meanwhile.blend")) as (stored, _):
+        assert sorted(stored.meshes) == sorted([bpy.data.objects["Block"].data.name, "Sphere"])
