@@ -8,7 +8,7 @@ import numpy as np
 
 from .base.errors import ScatterError
 from .base.native import named, package
-from .remesh import NewMesh, OldMesh, Options, surface_of, with_sources
+from .remesh import Ground, NewMesh, OldMesh, Options, ground_of, rest_of, with_sources
 from .surface.arrays import Ints
 
 
@@ -51,23 +51,24 @@ class MeshSequence:
         if found is None:
             self._frames.append(None)
             return None
-        surface, made = found
-        new = with_sources(surface, old, made.mesh, self.options["max_distance"])
+        ground, made = found
+        new = with_sources(ground, old, made.mesh, self.options["max_distance"])
         self._frames.append(_Figures(len(made.ids), made.kept, made.mesh.report.flaws))
         return SequenceFrame(new, np.array(made.ids))
 
-    def _next(self, old: OldMesh, context: Any) -> tuple[Any, Any] | None:
-        """The surface of the frame and its SequenceMesh; None without faces."""
-        surface = surface_of(old) if len(old.faces) else None
+    def _next(self, old: OldMesh, context: Any) -> tuple[Ground, Any] | None:
+        """What the frame shows and its SequenceMesh; None without faces."""
+        ground = ground_of(old, self.count, context) if len(old.faces) else None
+        given = {"edges": old.lines, "context": context}
+        if ground is not None:
+            given = {"edges": ground.lines, "context": rest_of(context, old)}
         if self._sequence is not None:
-            made = self._sequence.advance(surface, edges=old.lines, context=context)
-            return None if surface is None else (surface, made)
-        if surface is None:
+            made = self._sequence.advance(ground.surface if ground else None, **given)
+            return None if ground is None else (ground, made)
+        if ground is None:
             return None
-        self._sequence = package().MeshSequence(
-            surface, self.count, edges=old.lines, context=context, **self.options
-        )
-        return surface, self._sequence.first
+        self._sequence = package().MeshSequence(ground.surface, self.count, **given, **self.options)
+        return ground, self._sequence.first
 
     @property
     def frame_count(self) -> int:

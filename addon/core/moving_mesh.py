@@ -24,7 +24,7 @@ class MovingMesh:
     def begun(cls, name: str, first: int, new: NewMesh, context: Any) -> "MovingMesh":
         """The new mesh on its first frame."""
         with named(name):
-            tracker = package().MeshTracker(new.surface, new.made, context=context)
+            tracker = package().MeshTracker(new.ground.surface, new.made, context=context)
         return cls(name, first, new, [tracker.first], tracker)
 
     def advance(self, vertices: Floats, context: Any) -> None:
@@ -32,7 +32,8 @@ class MovingMesh:
         frame = self.first + len(self.frames)
         try:
             with named(self.name):
-                self.frames.append(self._tracker.advance(vertices, context=context))
+                now = self.new.ground.vertices(vertices)
+                self.frames.append(self._tracker.advance(now, context=context))
         except ScatterError as error:
             raise ScatterError(f"Frame {frame}: {error}") from error
 

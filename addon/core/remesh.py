@@ -2,6 +2,7 @@
 """A mesh of even triangles on another one, and what its vertices, corners and faces take over."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,14 +11,37 @@ from numpy.typing import NDArray
 from .base.errors import ScatterError
 from .base.native import named, package
 from .surface.arrays import Floats, Ints, normals_of
+from .surface.mesh_snapshot import RawImage, image_density
 
 _LEAST_DENSITY = 0.01  # of the largest: at ten times its spacing the surface is still covered
 _INWARD = 1e-3  # of the way from a corner on a line to the middle of its triangle
 _ALIKE = 0.05  # difference of the cosines of two faces that are turned alike
 _BESIDE = 0.5  # of that way: how far above or below its triangle a place is asked for, too
 _OUTSIDE = 0.05  # of a triangle, that a corner may lie outside
+_CUTTING = 0.1  # share of the progress for cutting triangles by an image
 
 Options = dict[str, float]  # of the package's remesh(), by name
+
+
+@dataclass(frozen=True)
+class Pixels:
+    """An image or its UDIM tiles, the same for all frames of an animation."""
+
+    images: tuple[RawImage, ...]
+    channel: str
+
+    @cached_property
+    def density(self) -> dict[str, Any]:
+        """Its fields of the package's MaskedSurface; ScatterError if it cannot be a density."""
+        return image_density(self.images, self.channel)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An image on a mesh."""
+
+    pixels: Pixels
+    uv: Floats  # (t, 3, 2) at the corners of the triangles
 
 
 @dataclass(frozen=True)
@@ -29,6 +53,28 @@ class OldMesh:
     faces: Ints  # (t, 3) the triangles that its polygons are cut into
     lines: Ints  # (k, 2) edges that stay: seams, borders of materials, marked ones
     density: Floats | None = None  # as placed_values() gives it; None: the same everywhere
+    picture: Picture | None = None  # by which it is multiplied
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What is remeshed: the old triangles with their density, in pieces where an image needs it."""
+
+    old: Any  # the package's Surface of the old triangles
+    surface: Any  # that of the pieces
+    lines: Ints  # (k, 2) edges of the pieces that stay
+    masked: Any = None  # the package's MaskedSurface; None: each piece is a whole triangle
+
+    def on_old(self, pieces: Ints, weights: Floats) -> tuple[Ints, Floats]:
+        """Places on pieces (n,), by weights (n, 3) of their corners, as those on old triangles."""
+        if self.masked is None:
+            return pieces, weights
+        parents, corners = self.masked.pieces
+        return parents[pieces], np.einsum("nk,nkd->nd", weights, corners[pieces])
+
+    def vertices(self, old: Floats) -> Floats:
+        """Vertices of the pieces once the old ones are at (v, 3)."""
+        return old if self.masked is None else np.asarray(self.masked.vertices(old))
 
 
 @dataclass(frozen=True)
@@ -43,7 +89,7 @@ class NewMesh:
     face_source: Ints  # (m,) the old triangle at the middle of each
     lines: Ints  # (k, 2) edges along lines
     line_source: Ints  # (k, 2) the vertices of the old edge that each lies on
-    surface: Any  # the package's, of the old mesh
+    ground: Ground
     made: Any  # what the package's remesh() has returned
     max_distance: float  # that was asked for; 0: none
 
@@ -76,29 +122,72 @@ def remeshed(old: OldMesh, count: int, options: Options, context: Any) -> NewMes
     if len(old.faces) == 0:
         raise ScatterError(f"'{old.name}' has no faces: a new mesh needs a surface")
     with named(old.name):
-        surface = surface_of(old)
-        made = package().remesh(surface, count, edges=old.lines, context=context, **options)
-        return with_sources(surface, old, made, options["max_distance"])
+        ground = ground_of(old, count, context)
+        given = {"edges": ground.lines, "context": rest_of(context, old)}
+        made = package().remesh(ground.surface, count, **given, **options)
+        return with_sources(ground, old, made, options["max_distance"])
 
 
-def surface_of(old: OldMesh) -> Any:
-    """The package's Surface with the density. ScatterError if that is 0 everywhere."""
+def rest_of(context: Any, old: OldMesh) -> Any:
+    """The share of a context that is left after ground_of()."""
+    return context if old.picture is None else context.part(_CUTTING, 1.0)
+
+
+def ground_of(old: OldMesh, count: int, context: Any) -> Ground:
+    """What is remeshed with so many vertices. ScatterError if its density is 0 everywhere."""
     surface = package().Surface(old.vertices, old.faces)
-    if old.density is None:
-        return surface
-    most = old.density.max()
-    if most == 0.0:
-        raise ScatterError(f"'{old.name}': the density is 0 everywhere")
-    values, at = package().density.placed(np.maximum(old.density, _LEAST_DENSITY * most))
+    if old.density is not None:
+        if old.density.max() == 0.0:
+            raise ScatterError(f"'{old.name}': the density is 0 everywhere")
+        surface = _with_density(surface, old.density)
+    if old.picture is None:
+        return Ground(surface, surface, old.lines)
+    masked = package().density.MaskedSurface(
+        surface,
+        count=count,
+        uv=old.picture.uv,
+        context=context.part(0.0, _CUTTING),
+        **old.picture.pixels.density,
+    )
+    cut = _with_density(masked.surface, masked.corner_density())
+    return Ground(surface, cut, _lines_of_pieces(old, masked), masked)
+
+
+def _with_density(surface: Any, density: Floats) -> Any:
+    """The surface with a density that is large enough everywhere for the surface to be covered."""
+    values, at = package().density.placed(np.maximum(density, _LEAST_DENSITY * density.max()))
     return surface.with_density(values, density_at=at)
 
 
-def with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) -> NewMesh:
-    """What the package's remesh() of that surface has made, and its places on the old mesh."""
+def _lines_of_pieces(old: OldMesh, masked: Any) -> Ints:
+    """The edges (k, 2) of pieces that lie on lines of the old mesh."""
+    pieces, (parents, weights) = np.array(masked.surface.faces), masked.pieces
+    size = len(old.vertices)
+    wanted = _keys(old.lines, size)
+    found = [np.empty((0, 2), np.int32)]
+    for opposite in range(3):
+        sides = old.faces[:, [(opposite + 1) % 3, (opposite + 2) % 3]]
+        is_line = np.isin(_keys(sides, size), wanted)[parents]
+        for corner in range(3):
+            ends = [corner, (corner + 1) % 3]
+            along = is_line & (weights[:, ends, opposite] == 0.0).all(axis=1)
+            found.append(np.sort(pieces[along][:, ends], axis=1))
+    return np.unique(np.concatenate(found), axis=0)
+
+
+def _keys(edges: Ints, size: int) -> Any:
+    """A number (k,) for each edge (k, 2) between `size` vertices, whichever end is first."""
+    ends = np.sort(edges, axis=1).astype(np.int64)
+    return ends[:, 0] * size + ends[:, 1]
+
+
+def with_sources(ground: Ground, old: OldMesh, made: Any, max_distance: float) -> NewMesh:
+    """What the package's remesh() of a ground has made, and its places on the old mesh."""
     faces, vertices = np.array(made.faces), np.array(made.vertices)
     middles = vertices[faces].mean(axis=1)
+    surface = ground.old
     face_source = package().project(surface, middles).faces
-    source, weights = np.array(made.source_faces), np.array(made.barycentric)
+    source, weights = ground.on_old(np.array(made.source_faces), np.array(made.barycentric))
     corner_source, corner_weights = source[faces], weights[faces]
     on_line = np.array(made.features)[faces] > 0
     places, triangles = vertices[faces[on_line]], np.nonzero(on_line)[0]
@@ -118,7 +207,7 @@ def with_sources(surface: Any, old: OldMesh, made: Any, max_distance: float) -> 
         face_source=np.array(face_source),
         lines=lines,
         line_source=_old_edges(surface, old, vertices[lines].mean(axis=1)),
-        surface=surface,
+        ground=ground,
         made=made,
         max_distance=max_distance,
     )

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from addon.blender.base.mesh_arrays import corner_vertices, read_points, to_world, triangle_corners
+from addon.blender.remesh.density import Chosen
 from addon.blender.remesh.operators import remesh_steps
 from addon.core.base.steps import run_now
 from benchmarks.remesh.measure import farthest
@@ -82,7 +83,7 @@ def remeshed(obj: bpy.types.Object, share: float, max_distance: float) -> Part:
     count = max(4, round(0.5 * share * len(triangle_corners(obj.data))))
     begin = time.perf_counter()
     options = {"feature_angle": FEATURE_ANGLE, "max_distance": max_distance}
-    report = run_now(remesh_steps(new, count, "", options)).report
+    report = run_now(remesh_steps(new, count, Chosen(), options)).report
     return Part(obj, new, share, report.dropped_lines, time.perf_counter() - begin)
 
 

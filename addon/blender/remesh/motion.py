@@ -19,7 +19,8 @@ from ..base.mesh_arrays import in_space
 from ..base.object_handles import ObjectHandle
 from ..base.times import chosen_times
 from ..surface.reading import frame_kept
-from .shown import Shown, read_first, read_next, shown_copy
+from .density import Chosen, Images
+from .shown import Shown, read_first, read_next, read_shown, shown_copy
 from .writing import replace_mesh, write_new
 
 _REMESHING = 0.2  # share of the progress
@@ -41,7 +42,7 @@ def motion_steps(
     context: bpy.types.Context,
     obj: bpy.types.Object,
     count: int,
-    density: str,
+    chosen: Chosen,
     options: Options,
     frames: tuple[int, int],
 ) -> Steps:
@@ -51,7 +52,7 @@ def motion_steps(
     handle, mesh = ObjectHandle(obj), obj.data.session_uid
     first, last = chosen_times(context.scene, *frames)
     with frame_kept(context.scene):
-        old, start = read_first(handle, first, density)
+        old, start = read_first(handle, first, chosen, Images(chosen))
         new = yield Task(lambda worker: remeshed(old, count, options, worker), 0.0, _REMESHING)
         begun = partial(MovingMesh.begun, old.name, first, new)
         bake = _Bake(handle, mesh, start, (yield Task(begun, _REMESHING, _REMESHING)))
@@ -75,7 +76,7 @@ def _follow(bake: _Bake, first: int, last: int) -> Any:
 def _write(bake: _Bake) -> None:
     """The new mesh with the data of the shown one, and its keys."""
     obj, moving = bake.handle.get(), bake.moving
-    _, now = read_first(bake.handle, moving.first, "")
+    now = read_shown(bake.handle, moving.first)
     if not now.is_like(bake.start) or obj.data.session_uid != bake.mesh or obj.mode != "OBJECT":
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
     places = [

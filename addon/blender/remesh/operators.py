@@ -11,6 +11,7 @@ from ...core.base.steps import Steps, Task
 from ...core.mesh_sequence import MeshSequence
 from ...core.moving_mesh import MovingMesh
 from ...core.remesh import NewMesh, Options, remeshed
+from ...core.settings.density_table import DENSITY
 from ..base.all_or_nothing import Status, all_or_nothing
 from ..base.object_handles import ObjectHandle
 from ..base.operator_jobs import Messages, Outcome
@@ -18,8 +19,10 @@ from ..base.step_operators import OPTIONS, StepsOperator
 from ..base.translation import translated, translated_report
 from ..scatter.linked_data import read_only
 from ..scatter.object import is_scatter
+from ..settings.declarations import with_arguments
 from ..surface.polls import free
 from ..surface.values import matching_names
+from .density import Chosen, full_name
 from .motion import motion_steps
 from .reading import read_old
 from .sequence import sequence_steps
@@ -39,6 +42,7 @@ def _density_names(_operator: Any, context: bpy.types.Context, text: str) -> lis
     return matching_names(context.object, text)
 
 
+@with_arguments(one for one in DENSITY if one.under == "image")
 class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
     """Replace the mesh by even triangles on the same surface. Texture coordinates, colors, vertex
     groups, shape keys, materials, attributes and modifiers are kept; seams, creases, borders and
@@ -93,6 +97,12 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         " many everywhere",
         search=_density_names,
         search_options={"SUGGESTION"},
+    )
+
+    image: bpy.props.StringProperty(
+        name="Image",
+        description="Image that multiplies the density: vertices are closer together where it is"
+        " brighter; where it is black, there are a hundredth of the largest number. Empty: none",
     )
 
     animation: bpy.props.EnumProperty(
@@ -167,6 +177,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         layout.use_property_decorate = False
         for name in ("count", "feature_angle", "density"):
             layout.prop(self, name)
+        self._draw_image(layout, context.object)
         row = layout.row()
         row.enabled = self.animation != "SEQUENCE"
         row.prop(self, "adaptive")
@@ -176,6 +187,14 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
             column = layout.column(align=True)
             column.prop(self, "frame_start")
             column.prop(self, "frame_end")
+
+    def _draw_image(self, layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> None:
+        layout.prop_search(self, "image", bpy.data, "images", icon="IMAGE_DATA")
+        if not self.image:
+            return
+        layout.prop(self, "image_channel")
+        if obj is not None and obj.type == "MESH":
+            layout.prop_search(self, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
 
     def _frames(self, context: bpy.types.Context) -> tuple[int, int]:
         """The frames that were set, else those of the scene."""
@@ -195,11 +214,12 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
             "max_distance": self.max_distance,
             "adaptive": self.adaptive,
         }
+        chosen = Chosen(self.density, full_name(self.image), self.image_channel, self.uv_map)
         if self.animation != "KEEP":
             bake = motion_steps if self.animation == "SHAPE_KEYS" else sequence_steps
             frames = self._frames(context)
-            return bake(context, context.object, self.count, self.density, options, frames)
-        return remesh_steps(context.object, self.count, self.density, options)
+            return bake(context, context.object, self.count, chosen, options, frames)
+        return remesh_steps(context.object, self.count, chosen, options)
 
     def watched(self, context: bpy.types.Context) -> dict[int, str]:
         return {one.session_uid: one.name for one in (context.object, context.object.data)}
@@ -297,10 +317,10 @@ def _more_vertices(new: NewMesh) -> Messages:
     return found
 
 
-def remesh_steps(obj: bpy.types.Object, count: int, density: str, options: Options) -> Steps:
+def remesh_steps(obj: bpy.types.Object, count: int, chosen: Chosen, options: Options) -> Steps:
     """Replace an object's mesh; returns the NewMesh."""
     handle, mesh = ObjectHandle(obj), obj.data.session_uid
-    old = read_old(obj, density)
+    old = read_old(obj, chosen)
     new: NewMesh = yield Task(lambda worker: remeshed(old, count, options, worker))
     obj = handle.get()
     if obj.data.session_uid != mesh or obj.mode != "OBJECT":

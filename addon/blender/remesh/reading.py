@@ -16,6 +16,7 @@ from ..base.mesh_arrays import (
     triangle_corners,
 )
 from ..surface.values import own_group_weights, raw_values
+from .density import Chosen, Images
 
 # Attributes of marked edges.
 _WEIGHTS = ("crease_edge", "bevel_weight_edge")
@@ -23,25 +24,22 @@ _SAME = 1e-5  # texture coordinates that differ by less are the same
 _ALIKE = 0.996  # cosine of two normals between which no hard edge is seen: 5 degrees
 
 
-def read_old(obj: bpy.types.Object, density: str) -> OldMesh:
+def read_old(obj: bpy.types.Object, chosen: Chosen) -> OldMesh:
     """The object's own mesh, without modifiers, in world space.
 
-    Args:
-        obj: a mesh object.
-        density: name of an attribute or a vertex group; empty for none.
-
     Raises:
-        ScatterError: there is none of this name, or it cannot be a density.
+        ScatterError: the chosen density is not there, or it cannot be one.
     """
-    mesh = obj.data
+    mesh, name = obj.data, chosen.values
     corners, vertices = triangle_corners(mesh), corner_vertices(mesh)
-    faces = vertices[corners] if len(vertices) else np.empty((0, 3), np.int32)
+    has_faces = len(vertices) > 0
     return OldMesh(
         name=obj.name,
         vertices=to_world(obj, read_points(mesh)),
-        faces=faces,
+        faces=vertices[corners] if has_faces else np.empty((0, 3), np.int32),
         lines=lines_of(mesh),
-        density=placed_density(obj.name, mesh, _own_values(obj, density)) if density else None,
+        density=placed_density(obj.name, mesh, _own_values(obj, name)) if name else None,
+        picture=Images(chosen).on(obj, mesh, corners) if has_faces else None,
     )
 
 

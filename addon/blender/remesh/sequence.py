@@ -22,7 +22,8 @@ from ..base.all_or_nothing import all_or_nothing, once_done
 from ..base.object_handles import ObjectHandle
 from ..base.times import chosen_times
 from ..surface.reading import frame_kept
-from .shown import Shown, read_first, shown_copy
+from .density import Chosen, Images
+from .shown import Shown, read_first, read_shown, shown_copy
 from .writing import write_new
 
 _ID = "id"  # Blender's own name for what stays the same from frame to frame
@@ -32,7 +33,7 @@ def sequence_steps(
     context: bpy.types.Context,
     obj: bpy.types.Object,
     count: int,
-    density: str,
+    chosen: Chosen,
     options: Options,
     frames: tuple[int, int],
 ) -> Steps:
@@ -48,10 +49,10 @@ def sequence_steps(
         raise ScatterError("Adaptive is for one mesh: a sequence keeps its spacing")
     given = {name: value for name, value in options.items() if name != "adaptive"}
     sequence, made = MeshSequence(obj.name, first, count, given), _Meshes()
-    share = 1.0 / (last - first + 1)
+    share, images = 1.0 / (last - first + 1), Images(chosen)
     with frame_kept(context.scene), made.removed_if_unused():
         for k in range(last - first + 1):
-            old, shown = read_first(handle, first + k, density)
+            old, shown = read_first(handle, first + k, chosen, images)
             advance = partial(sequence.advance, old)
             frame = yield Task(advance, share * k, share * (k + 1))
             made.add(_mesh_of_frame(handle, first + k, frame, shown), shown.matrix)
@@ -100,8 +101,7 @@ def _mesh_of_frame(
     obj = handle.get()
     if frame is None:
         return bpy.data.meshes.new(obj.name)
-    _, now = read_first(handle, number, "")
-    if not now.is_like(before):
+    if not read_shown(handle, number).is_like(before):
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
     with shown_copy(obj) as old:
         mesh = write_new(old, frame.new)

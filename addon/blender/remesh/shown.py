@@ -23,6 +23,7 @@ from ..base.object_handles import ObjectHandle
 from ..base.times import show_time
 from ..surface.mesh import evaluated_mesh
 from ..surface.values import read_weights
+from .density import Chosen, Images
 from .reading import lines_of, placed_density
 
 
@@ -62,27 +63,41 @@ def shown_copy(obj: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
         bpy.data.meshes.remove(mesh)
 
 
-def read_first(handle: ObjectHandle, frame: int, density: str) -> tuple[OldMesh, Shown]:
+def read_first(
+    handle: ObjectHandle, frame: int, chosen: Chosen, images: Images
+) -> tuple[OldMesh, Shown]:
     """What is remeshed: the object as it is shown on a frame, with the density as in read_old()."""
     show_time(bpy.context.scene, frame)
     obj = handle.get()
     with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
         shown = _shown(obj, mesh)
-        faces = shown.corners[triangle_corners(mesh)] if len(mesh.polygons) else _NO_FACES
-        weights = read_weights(obj, mesh, density) if density else None
-        values = placed_density(obj.name, mesh, weights) if weights is not None else None
-        return OldMesh(obj.name, shown.vertices, faces, lines_of(mesh), values), shown
+        corners = triangle_corners(mesh) if len(mesh.polygons) else _NO_FACES
+        weights = read_weights(obj, mesh, chosen.values) if chosen.values else None
+        old = OldMesh(
+            name=obj.name,
+            vertices=shown.vertices,
+            faces=shown.corners[corners] if len(corners) else _NO_FACES,
+            lines=lines_of(mesh),
+            density=placed_density(obj.name, mesh, weights) if weights is not None else None,
+            picture=images.on(obj, mesh, corners) if len(corners) else None,
+        )
+        return old, shown
+
+
+def read_shown(handle: ObjectHandle, frame: int) -> Shown:
+    """The object as it is shown on a frame."""
+    show_time(bpy.context.scene, frame)
+    obj = handle.get()
+    with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
+        return _shown(obj, mesh)
 
 
 def read_next(handle: ObjectHandle, frame: int, first: Shown, first_frame: int) -> Shown:
     """The object on another frame; ScatterError if it has other faces."""
-    show_time(bpy.context.scene, frame)
-    obj = handle.get()
-    with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
-        shown = _shown(obj, mesh)
+    shown, name = read_shown(handle, frame), handle.get().name
     if not shown.has_faces_of(first):
         raise ScatterError(
-            f"'{obj.name}' has other faces in frame {frame} than in frame {first_frame}: shape "
+            f"'{name}' has other faces in frame {frame} than in frame {first_frame}: shape "
             "keys need the same ones. Choose frames in which they stay, or Bake to Sequence"
         )
     return shown

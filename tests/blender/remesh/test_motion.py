@@ -191,8 +191,9 @@ def test_a_canceled_bake_changes_nothing():
     steps, handle = addon_host.part("core.base.steps"), obj.name
     bpy.context.scene.frame_set(4)
     options = {"feature_angle": 30.0, "max_distance": 0.0}
+    chosen = addon_host.part("blender.remesh.density").Chosen()
     work = addon_host.part("blender.remesh.motion").motion_steps(
-        bpy.context, obj, 200, "", options, (1, 6)
+        bpy.context, obj, 200, chosen, options, (1, 6)
     )
     stepper = steps.Stepper(work)
     while stepper.progress < 0.5:
@@ -207,7 +208,15 @@ def test_a_canceled_bake_changes_nothing():
 
 PRESSED = {
     **{"count": 200, "feature_angle": 0.5, "max_distance": 0.0, "adaptive": False},
-    **{"density": "", "animation": "SHAPE_KEYS", "frame_start": 1, "frame_end": 6},
+    **{
+        "density": "",
+        "image": "",
+        "image_channel": "BRIGHTNESS",
+        "uv_map": "",
+        "animation": "SHAPE_KEYS",
+        "frame_start": 1,
+        "frame_end": 6,
+    },
 }
 
 

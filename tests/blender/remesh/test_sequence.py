@@ -143,8 +143,9 @@ def test_the_file_shows_them_again(tmp_path):
 def stepped():
     """The bake of a carved block in steps, and what drives it."""
     options = {"feature_angle": 30.0, "max_distance": 0.0, "adaptive": False}
+    chosen = addon_host.part("blender.remesh.density").Chosen()
     work = addon_host.part("blender.remesh.sequence").sequence_steps(
-        bpy.context, bpy.context.object, 300, "", options, (1, 4)
+        bpy.context, bpy.context.object, 300, chosen, options, (1, 4)
     )
     return addon_host.part("core.base.steps").Stepper(work)
 
@@ -183,7 +184,8 @@ def test_a_canceled_bake_leaves_nothing():
     assert bpy.context.object == block
 
 
-PRESSED = {**BAKE, "feature_angle": 0.5, "max_distance": 0.0, "adaptive": False, "density": ""}
+UNCHOSEN = {"density": "", "image": "", "image_channel": "BRIGHTNESS", "uv_map": ""}
+PRESSED = {**BAKE, "feature_angle": 0.5, "max_distance": 0.0, "adaptive": False, **UNCHOSEN}
 
 
 def test_in_the_background_it_is_one_step_of_undo(artist):
