@@ -10,6 +10,7 @@ from ..base.sidebars import at_right
 from ..base.translation import translated
 from ..presets.operators import draw_presets
 from ..scatter.object import is_surface
+from ..surface.scatters import scatters_of
 from .operators import DAPPLE_OT_add_over_collection, DAPPLE_OT_add_scatter
 from .scatter_list import (
     DAPPLE_OT_copy_scatter,
@@ -17,7 +18,6 @@ from .scatter_list import (
     DAPPLE_OT_select_scatter,
     DAPPLE_OT_solo_scatter,
     is_solo,
-    scatters_of,
 )
 
 

@@ -18,17 +18,8 @@ from ..scatter.key_writing import clear_keys
 from ..scatter.linked_data import open_collections, read_only
 from ..scatter.modifier import scatter_modifier
 from ..scatter.object import is_scatter, surface_of
-from ..surface.joined_parts import is_joined, objects_of, parts_of
-
-
-def scatters_of(surface: bpy.types.Object) -> list[bpy.types.Object]:
-    """The scatters on a surface or on a part of one, in the view layer."""
-    there = bpy.context.view_layer.objects
-    return [obj for obj in there if is_scatter(obj) and _is_on(obj.dapple.surface, surface)]
-
-
-def _is_on(surface: bpy.types.Object | None, obj: bpy.types.Object) -> bool:
-    return surface == obj or (is_joined(surface) and obj in objects_of(surface))
+from ..surface.joined_parts import parts_of
+from ..surface.scatters import scatters_of
 
 
 def is_solo(obj: bpy.types.Object, scatters: Iterable[bpy.types.Object]) -> bool:

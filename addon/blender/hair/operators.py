@@ -4,12 +4,27 @@
 from typing import Any
 
 import bpy
-from bpy.props import FloatProperty, IntProperty
+from bpy.props import FloatProperty, IntProperty, StringProperty
 
-from ..base.step_operators import OPTIONS, AllOrNothing
-from ..base.translation import translated_count, translated_report
-from ..surface.polls import ready
+from ...core.base.errors import ScatterError
+from ..base.step_operators import OPTIONS, AllOrNothing, Status
+from ..base.translation import english, translated, translated_count, translated_report
+from ..scatter.linked_data import read_only
+from ..scatter.object import is_scatter
+from ..surface.polls import free, ready
+from ..surface.scatters import scatters_of
 from .guides import add_guides
+
+
+def _scatter_names(_operator: Any, context: bpy.types.Context, text: str) -> list[str]:
+    """The scatters on the active surface, on that of the active scatter or of hair just made."""
+    obj = context.object
+    if is_scatter(obj):
+        obj = obj.dapple.surface
+    elif obj is not None and obj.type == "CURVES":
+        obj = obj.data.surface
+    found = scatters_of(obj) if obj is not None else []
+    return [one.name for one in found if text.lower() in one.name.lower()]
 
 
 class DAPPLE_OT_add_hair_guides(AllOrNothing, bpy.types.Operator):
@@ -21,6 +36,14 @@ class DAPPLE_OT_add_hair_guides(AllOrNothing, bpy.types.Operator):
     bl_label = "Add Hair Guides"
     bl_options = OPTIONS
 
+    scatter: StringProperty(
+        name="Scatter",
+        description="Scatter whose points are the roots; if empty, the active one, or that of the "
+        "active surface",
+        search=_scatter_names,
+        search_options=set(),
+        options={"SKIP_SAVE"},
+    )
     count: IntProperty(
         name="Count",
         description="Number of guides, of the points that come first in the order whose every "
@@ -49,10 +72,49 @@ class DAPPLE_OT_add_hair_guides(AllOrNothing, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return ready(cls, context, scatter=True)
+        obj = context.object
+        if context.mode != "OBJECT" or obj is None or is_scatter(obj):
+            return ready(cls, context, scatter=True)
+        if not free(cls):
+            return False
+        if not scatters_of(obj):
+            cls.poll_message_set(translated("Needs an active scatter, or a surface that has one"))
+            return False
+        return True
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Ask for the scatter if the active surface has several."""
+        found = [] if is_scatter(context.object) else scatters_of(context.object)
+        if self.scatter or len(found) < 2 or bpy.app.background:
+            return self.execute(context)
+        self.scatter = found[0].name
+        status: Status = context.window_manager.invoke_props_dialog(self)
+        return status
+
+    def concerned(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        return [self._chosen(context)]
+
+    def _chosen(self, context: bpy.types.Context) -> bpy.types.Object:
+        """The scatter of the roots."""
+        obj = context.object
+        if self.scatter:
+            obj = context.view_layer.objects.get(self.scatter)
+            if not is_scatter(obj):
+                raise ScatterError(f"'{self.scatter}' is not a Dapple scatter of the view layer")
+        elif not is_scatter(obj):
+            found = scatters_of(obj)
+            if len(found) > 1:
+                names = ", ".join(f"'{one.name}'" for one in found)
+                raise ScatterError(
+                    f"Surface '{obj.name}' has several scatters, {names}: choose one as Scatter"
+                )
+            obj = found[0]
+        if read_only(obj):
+            raise ScatterError(read_only(obj, english))
+        return obj
 
     def work(self, context: bpy.types.Context) -> None:
-        made = add_guides(context.object, self.count, self.length, self.points)
+        made = add_guides(self._chosen(context), self.count, self.length, self.points)
         text = translated_report("'{name}': {count:,} guides", name=made.obj.name, count=made.count)
         self.report({"INFO"}, text)
         if made.shared:

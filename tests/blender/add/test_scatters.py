@@ -21,7 +21,7 @@ def pair():
 
 
 def names_of(surface):
-    found = addon_host.part("blender.add.scatter_list").scatters_of(surface)
+    found = addon_host.part("blender.surface.scatters").scatters_of(surface)
     return [obj.name for obj in found]
 
 

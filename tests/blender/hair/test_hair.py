@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Add Hair Guides: even beginnings, roots on the surface, attached as Blender's own hair."""
 
+import addon_host
 import bpy
 import numpy as np
 import pytest
@@ -297,3 +298,40 @@ def test_guides_of_a_scatter_without_changes_to_it():
     assert made.name == f"{obj.name} Hair"
     assert np.array_equal(scenes.positions(obj), before)
     assert not bpy.ops.dapple.add_hair_guides.poll()  # the hair is active
+
+
+def test_the_only_scatter_of_the_active_surface_is_taken():
+    surface = suzanne()
+    obj = scenes.scattered(surface, 30)
+    hair = guides(surface)
+    assert hair.name == f"{obj.name} Hair"
+    assert len(hair.data.curves) == 30
+
+
+def test_one_of_several_scatters_is_chosen():
+    surface = suzanne()
+    first, second = scenes.scattered(surface, 30), scenes.scattered(surface, 40)
+    names = f"'{first.name}', '{second.name}'"
+    scenes.activate(surface)
+    with pytest.raises(RuntimeError, match=f"has several scatters, {names}: choose one"):
+        bpy.ops.dapple.add_hair_guides()
+    assert len(guides(surface, scatter=second.name).data.curves) == 40
+    scenes.activate(surface)
+    with pytest.raises(RuntimeError, match="'Gone' is not a Dapple scatter"):
+        bpy.ops.dapple.add_hair_guides(scatter="Gone")
+
+
+def test_scatters_of_the_active_surface_are_offered():
+    surface = suzanne()
+    obj = scenes.scattered(surface, 30)
+    scenes.scattered(suzanne(location=(4.0, 0.0, 0.0)), 30)
+    offered = addon_host.part("blender.hair.operators")._scatter_names
+    for active in (surface, obj, guides(obj, count=5)):
+        scenes.activate(active)
+        assert offered(None, bpy.context, "") == [obj.name]
+        assert offered(None, bpy.context, "gone") == []
+
+
+def test_a_surface_without_a_scatter_cannot_have_guides():
+    scenes.activate(suzanne())
+    assert not bpy.ops.dapple.add_hair_guides.poll()

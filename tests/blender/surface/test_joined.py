@@ -357,7 +357,7 @@ def test_parts_do_not_block_their_own_points():
 def test_a_part_lists_the_scatters_and_optimize_works_while_they_are_hidden():
     left, middle, _ = tiles()
     obj = over(left, middle, count=30)
-    scatters = addon_host.part("blender.add.scatter_list")
+    scatters = addon_host.part("blender.surface.scatters")
     assert scatters.scatters_of(middle) == [obj]
     obj.hide_viewport = True
     left.location.z = 2.0
