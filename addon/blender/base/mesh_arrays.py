@@ -31,10 +31,10 @@ def write_points(mesh: bpy.types.Mesh, positions: Floats) -> None:
 
 
 def read_points(mesh: bpy.types.Mesh) -> Floats:
-    """Positions (n, 3) of the points of a mesh, in its own space."""
+    """Positions (n, 3) of the points of a mesh, in its own space; ScatterError in Edit Mode."""
     positions = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     if len(positions) > 0:
-        mesh.attributes["position"].data.foreach_get("vector", positions)
+        _values(mesh, mesh.attributes.get("position")).foreach_get("vector", positions)
     return positions.reshape(-1, 3).astype(np.float64)
 
 
@@ -56,7 +56,7 @@ def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attri
 
 
 def read_columns(mesh: bpy.types.Mesh, types: dict[str, str]) -> Columns:
-    """Attributes on the points of a mesh as columns."""
+    """Attributes on the points of a mesh as columns; ScatterError in Edit Mode."""
     return {name: _column(mesh, name, kind) for name, kind in types.items()}
 
 
@@ -70,8 +70,15 @@ def _column(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
             f"it must be {kind} on POINT: remove it and optimize"
         )
     values: NDArray[Any] = np.empty(len(mesh.vertices) * _WIDTH[kind], dtype=_NUMPY[kind])
-    attribute.data.foreach_get(_FIELD[kind], values)
+    _values(mesh, attribute).foreach_get(_FIELD[kind], values)
     return values.reshape(-1, 3) if _WIDTH[kind] == 3 else values
+
+
+def _values(mesh: bpy.types.Mesh, attribute: bpy.types.Attribute | None) -> Any:
+    """The values of an attribute on the points, of which Blender gives none in Edit Mode."""
+    if attribute is None or len(attribute.data) != len(mesh.vertices):
+        raise ScatterError(f"Mesh '{mesh.name}' is in Edit Mode: leave it first")
+    return attribute.data
 
 
 def to_local(obj: bpy.types.Object, positions: Floats) -> Floats:

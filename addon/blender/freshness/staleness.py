@@ -36,11 +36,13 @@ def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
 def verdict(
     obj: bpy.types.Object, context: bpy.types.Context, snapshot: SceneSnapshot | None = None
 ) -> Verdict:
-    """Compare a result with the current scene.
+    """Compare a result with the current scene; that is not possible while its points are edited.
 
     `snapshot` holds what was read before. Motion is compared on whole baked frames: call it again
     at another frame.
     """
+    if obj.data.is_editmode:
+        return Verdict("", translated("Not compared with its surface in Edit Mode"))
     depsgraph = context.evaluated_depsgraph_get()
     try:
         return _verdict(obj, depsgraph, snapshot or SceneSnapshot())
