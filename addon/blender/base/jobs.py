@@ -116,6 +116,11 @@ class Job:
             _running.remove(self)
 
 
+def is_working() -> bool:
+    """Whether any job is running."""
+    return any(job.is_running for job in _running)
+
+
 def _render_began() -> None:
     """Leave the processors to the render."""
     for job in _running:

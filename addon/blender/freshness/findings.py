@@ -13,7 +13,7 @@ from typing import Any
 import bpy
 
 from ...core.base.errors import ScatterError
-from ..base import activity, step_operators
+from ..base import activity, jobs, step_operators
 from ..base.handlers import Evaluation, Subscriber
 from ..base.object_handles import ObjectHandle
 from ..base.quiet import is_quiet
@@ -24,7 +24,7 @@ from .scene_snapshot import AROUND, SceneSnapshot, depends_on
 from .staleness import Verdict, verdict
 from .unfinished_bakes import all_work_files, left_over, unfinished
 
-PAUSE = 0.2  # seconds without a change before a check, or more if checks take long
+PAUSE = 0.2  # seconds without a change before a check, or more if checks after edits take long
 PATIENCE = 5.0  # ratio of that pause to the duration of a check
 IMAGE_PATIENCE = 20.0  # the same for images
 IMAGE_PAUSE = 2.0  # seconds between two checks of an image, or more if they take long
@@ -66,6 +66,7 @@ class _State:
     )  # by the session_uid of the scatter
     changed: float = 0.0  # time of the last change, monotonic
     took: float = 0.0  # seconds that the last check took
+    worked: bool = False  # whether Blender or the add-on was busy since then
     images_checked: float = 0.0  # time of the last check of images
     image_check_took: float = 0.0
     checking: bool = False
@@ -107,9 +108,15 @@ def touch(obj: bpy.types.Object) -> None:
 
 def tick() -> float | None:
     """Check scatters that may have changed; returns seconds until the next call, None to end."""
-    wait = max(PAUSE, PATIENCE * _state.took) - (time.monotonic() - _state.changed)
-    if _busy() or wait > 0.0:
+    if _busy():
+        _state.worked = True
+        return PAUSE
+    # The artist goes on editing, but what work has changed stays as it is.
+    pause = PAUSE if _state.worked else max(PAUSE, PATIENCE * _state.took)
+    wait = pause - (time.monotonic() - _state.changed)
+    if wait > 0.0:
         return max(wait, PAUSE)
+    _state.worked = False
     for uid, one in list(_state.requested.items()):
         obj = _object(one)
         if obj is None or not is_shown(obj):
@@ -181,6 +188,7 @@ def _check_image(one: _Request, image: bpy.types.Image) -> None:
 def _mark(one: _Request) -> None:
     one.outdated = True
     _state.changed = time.monotonic()
+    _state.worked = _state.worked or _busy()
     _wake()
 
 
@@ -190,8 +198,10 @@ def _wake() -> None:
 
 
 def _busy() -> bool:
-    """Whether Blender renders, plays the animation or runs an operator of the add-on."""
-    return activity.is_rendering() or step_operators.is_under_way() or activity.is_playing()
+    """Whether Blender renders or plays the animation, or the add-on works."""
+    if activity.is_rendering() or activity.is_playing():
+        return True
+    return step_operators.is_under_way() or jobs.is_working()
 
 
 def _updated(evaluation: Evaluation) -> None:

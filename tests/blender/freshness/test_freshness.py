@@ -279,3 +279,37 @@ def test_a_look_that_fails_leaves_no_answer(waiting, monkeypatch):
     assert FITS not in drawn()
     looked(waiting)
     assert "has another shape or scale" in drawn()
+
+
+def test_what_work_has_changed_is_compared_at_once(waiting, monkeypatch):
+    """Edits may go on, so a check that takes long waits for their end; work has ended."""
+    obj = scenes.scattered(scenes.sphere())
+    drawn()
+    looked(waiting)
+    monkeypatch.setattr(part(), "PATIENCE", 1e9)
+    obj.dapple.surface.data.vertices[0].co *= 1.001
+    assert not looked(waiting)
+    with monkeypatch.context() as patch:
+        patch.setattr(part().step_operators, "is_under_way", lambda: True)
+        obj.dapple.surface.data.vertices[0].co *= 1.001
+        assert not looked(waiting)
+    assert looked(waiting)["verdict"] == 1
+    obj.dapple.surface.data.vertices[0].co *= 1.001
+    assert not looked(waiting)
+
+
+def test_nothing_is_compared_while_a_job_runs(waiting):
+    obj = scenes.scattered(scenes.sphere())
+    drawn()
+    jobs, steps = addon_host.part("blender.base.jobs"), addon_host.part("core.base.steps")
+
+    def work():
+        yield steps.PAUSE
+        yield steps.PAUSE
+
+    job = jobs.Job("Optimize", work(), str, print, whole=False)
+    job.begin()
+    obj.dapple.surface.data.vertices[0].co *= 1.001
+    assert not looked(waiting)
+    job.close()
+    assert looked(waiting)["verdict"] == 1
