@@ -290,7 +290,8 @@ double smallest_cosine_first(const Vec3& a, const Vec3& b, const Vec3& c) {
 }  // namespace
 
 void find_repeated_edges(std::span<const Face> triangles, std::span<const Place> places,
-                         std::span<const SiteKind> kinds, std::vector<Violation>& violations) {
+                         std::span<const Vec3> positions, std::span<const SiteKind> kinds,
+                         std::vector<Violation>& violations) {
   std::vector<std::array<std::int32_t, 3>> edges;  // from, to, triangle
   for (std::size_t k = 0; k < triangles.size(); ++k)
     for (std::size_t c = 0; c < 3; ++c)
@@ -301,7 +302,10 @@ void find_repeated_edges(std::span<const Face> triangles, std::span<const Place>
     if (from != edges[k][0] || to != edges[k][1]) continue;
     if (kinds[as_index(from)] != SiteKind::kFree && kinds[as_index(to)] != SiteKind::kFree)
       continue;
-    violations.push_back({from, Flaw::kMetTwice, places[as_index(triangle)], {}});
+    const Place &one = places[as_index(triangle)], &other = places[as_index(edges[k][2])];
+    const Vec3& site = positions[as_index(from)];
+    const bool nearer = (one.position - site).norm() < (other.position - site).norm();
+    violations.push_back({from, Flaw::kMetTwice, nearer ? other : one, {}});
   }
 }
 
@@ -373,7 +377,8 @@ Dual dual_of(const Surface& surface, const FeatureLines& lines, const Sites& sit
   find_repeated_triangles(result.triangles, result.corners, result.violations);
   result.lines = graph.edges_on_lines();
   if (result.violations.empty())
-    find_repeated_edges(result.triangles, result.corners, kinds, result.violations);
+    find_repeated_edges(result.triangles, result.corners, sites.positions, kinds,
+                        result.violations);
   if (context) context->advance(1.0);
   return result;
 }

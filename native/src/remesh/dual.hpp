@@ -37,10 +37,11 @@ void add_triangles(std::span<const std::int32_t> polygon, std::span<const Vec3> 
                    std::vector<Face>& triangles);
 
 /// Find edges of two or more triangles that run in the same direction, where no line allows it. A
-/// site where the cells of such a triangle meet mends it.
+/// site where the cells of such a triangle meet mends it, at the farther one of two.
 /// \param places per triangle: where its cells meet
-/// \param kinds per site
+/// \param positions and kinds: per site
 void find_repeated_edges(std::span<const Face> triangles, std::span<const Place> places,
-                         std::span<const SiteKind> kinds, std::vector<Violation>& violations);
+                         std::span<const Vec3> positions, std::span<const SiteKind> kinds,
+                         std::vector<Violation>& violations);
 
 }  // namespace dapple

@@ -20,7 +20,7 @@ namespace dapple {
 namespace {
 
 constexpr int kMendings = 30;                      // rounds of adding sites
-constexpr int kPatience = 6, kDensePatience = 14;  // of them that mend nothing in total
+constexpr int kPatience = 7, kDensePatience = 14;  // of them that mend nothing in total
 constexpr int kStalled = 2;                        // the same, before many are added at a time
 constexpr int kHalvings = 3;      // rounds in which cells in space must lose half of their flaws
 constexpr std::size_t kFew = 10;  // flaws that need not be halved
