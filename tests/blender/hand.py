@@ -197,6 +197,7 @@ def asset_library() -> Story:
     assert bpy.ops.dapple.mark_asset() == {"FINISHED"}
     for _ in range(200):  # Blender takes the picture meanwhile and must not lose the file
         yield
+    yield from waited(lambda: not bpy.app.is_job_running("RENDER_PREVIEW"))
     folder = Path(tempfile.mkdtemp())
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "library.blend"), copy=True)
     bpy.ops.preferences.asset_library_add(directory=str(folder))
