@@ -35,6 +35,7 @@ OF_THE_CHECKOUT = (
 NEEDED = (
     "numpy",
     "click",
+    "DracoPy",
     "distributed",
     "matplotlib",
     "pillow",

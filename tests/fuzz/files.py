@@ -20,12 +20,15 @@ from typing import Any
 
 import click
 import dapple3d as dapple
+import DracoPy
 import numpy as np
 from damage import damaged
 from dapple3d import stippling
 from dapple3d.cli import files, meshes, motions, points
 from dapple3d.cli.attributes import with_attributes
+from dapple3d.extras import _gltf_draco as draco
 from dapple3d.extras import gltf
+from dapple3d.extras._gltf_files import Document, encoded
 from dapple3d.extras.distributed import streams
 from dapple3d.instances import Instances, Mesh, Reference
 from dapple3d.reading import BROKEN
@@ -148,6 +151,22 @@ def write_scene(path: Path) -> None:
     gltf.write(path, Instances(np.eye(3)), prototypes=[Mesh(VERTICES, FACES)])
 
 
+def write_compressed(path: Path) -> None:
+    block = DracoPy.encode(VERTICES, FACES.astype(np.uint32), compression_level=7)
+    number = DracoPy.decode(block).attributes[0]["unique_id"]
+    document = Document({"asset": {"version": "2.0"}})
+    position = {"componentType": 5126, "count": len(VERTICES), "type": "VEC3"}
+    corners = {"componentType": 5125, "count": FACES.size, "type": "SCALAR"}
+    view = document.add_view(np.frombuffer(block, np.uint8))
+    extension = {draco.EXTENSION: {"bufferView": view, "attributes": {"POSITION": number}}}
+    primitive = {"attributes": {"POSITION": document.add("accessors", position)}}
+    primitive |= {"indices": document.add("accessors", corners), "extensions": extension}
+    document.add("meshes", {"primitives": [primitive]})
+    document.add("nodes", {"mesh": 0})
+    document.tree |= {"scenes": [{"nodes": [0]}], "extensionsRequired": [draco.EXTENSION]}
+    path.write_bytes(encoded(document, path.suffix))
+
+
 def write_arrays(path: Path) -> None:
     np.savez(path, vertices=VERTICES, faces=FACES, density=np.arange(1.0, 7.0), fur=np.ones((6, 3)))
 
@@ -178,10 +197,16 @@ READERS = (
         read_surface,
         {"mesh.npz": write_arrays, "colored.ply": write_colored_ply}
         | {f"mesh.{end}": write_mesh for end in ("ply", "obj", "off", "stl")}
-        | {f"scene.{end}": write_scene for end in ("glb", "gltf")},
+        | {f"scene.{end}": write_scene for end in ("glb", "gltf")}
+        | {f"compressed.{end}": write_compressed for end in ("glb", "gltf")},
     ),
     Reader("density", read_density, {"mesh.npz": write_arrays, "mesh.ply": write_mesh}),
-    Reader("prototype", read_prototype, {f"mesh{end}": write_points for end in (".glb", ".gltf")}),
+    Reader(
+        "prototype",
+        read_prototype,
+        {f"mesh{end}": write_points for end in (".glb", ".gltf")}
+        | {"compressed.glb": write_compressed},
+    ),
     Reader("stream", read_stream, {"mesh.npz": write_arrays, "mesh.ply": write_mesh}),
     Reader(
         "array",

@@ -9,6 +9,7 @@ import pytest
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 pytest.importorskip("PIL", reason="Pillow is not installed")
+pytest.importorskip("DracoPy", reason="DracoPy is not installed")
 from damage import damaged
 from files import READERS, trouble, whole_files
 

@@ -21,6 +21,7 @@ pytest.importorskip("scikit_build_core", reason="scikit-build-core is not instal
 REQUIREMENTS = {
     "numpy>=1.26",
     'click; extra == "cli"',
+    'DracoPy; extra == "draco"',
     'distributed; extra == "farm"',
     'rasterio; extra == "farm"',
     'zarr; extra == "farm"',

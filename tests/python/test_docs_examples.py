@@ -18,7 +18,7 @@ import pytest
 import shapes
 from command_line import run
 from dapple3d import instances, tables
-from dapple3d.extras import gltf
+from dapple3d.extras._spaces import rotation_matrices
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -255,8 +255,8 @@ def check_mirrored(found: list, expected: instances.Instances, axes: np.ndarray)
     places, turns = (np.array(values) for values in zip(*found, strict=True))
     np.testing.assert_allclose(places, expected.positions @ axes.T, atol=1e-9)
     unit = axes / np.abs(axes).max()
-    turned = gltf.rotation_matrices(np.roll(turns, 1, axis=1))
-    wanted = unit @ gltf.rotation_matrices(expected.orientations) @ unit.T
+    turned = rotation_matrices(np.roll(turns, 1, axis=1))
+    wanted = unit @ rotation_matrices(expected.orientations) @ unit.T
     np.testing.assert_allclose(turned, wanted, atol=1e-9)
 
 

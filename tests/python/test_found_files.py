@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files as other programs write them, by the package and by the command line."""
 
-import base64
 import json
 import pickle
 import struct
+import sys
 
 import dapple3d as dapple
 import numpy as np
@@ -12,6 +12,7 @@ import pytest
 from command_line import done, refused
 from dapple3d.cli import points
 from dapple3d.extras import gltf
+from gltf_scene import HALVES, SQUARE, TYPES, Scene
 
 FLOOR = [(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (1, 1), (1, 3), (0, 3)]  # with a notch
 CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
@@ -234,59 +235,6 @@ def test_a_mesh_without_attributes_says_so(tmp_path, mesh):
 # glTF
 
 
-class Scene:
-    """A glTF file that grows."""
-
-    def __init__(self):
-        self.tree = {"asset": {"version": "2.0"}}
-        self.blob = b""
-
-    def add(self, kind, **entry):
-        self.tree.setdefault(kind, []).append(entry)
-        return len(self.tree[kind]) - 1
-
-    def view(self, values):
-        self.blob += bytes(-len(self.blob) % 4)
-        start, content = len(self.blob), np.ascontiguousarray(values).tobytes()
-        self.blob += content
-        return self.add("bufferViews", buffer=0, byteOffset=start, byteLength=len(content))
-
-    def array(self, values, dtype="<f4", **more):
-        values = np.asarray(values, dtype)
-        kinds = {"<f4": 5126, "<u2": 5123, "<u4": 5125, "u1": 5121}
-        shape = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (16,): "MAT4"}
-        return self.add(
-            "accessors", bufferView=self.view(values), componentType=kinds[dtype],
-            count=len(values), type=shape[values.shape[1:]], **more,
-        )  # fmt: skip
-
-    def mesh(self, vertices, faces=None, **more):
-        attributes = {"POSITION": self.array(vertices)} | more.pop("attributes", {})
-        indices = {} if faces is None else {"indices": self.array(np.ravel(faces), "<u2")}
-        return self.add("meshes", primitives=[{"attributes": attributes, **indices, **more}])
-
-    def save(self, path, roots=(0,), buffer=None):
-        self.tree |= {"scene": 0, "scenes": [{"nodes": list(roots)}]}
-        self.tree["buffers"] = [{"byteLength": len(self.blob), **(buffer or {})}]
-        if path.suffix == ".gltf":
-            if not buffer:
-                coded = base64.b64encode(self.blob).decode()
-                self.tree["buffers"][0]["uri"] = f"data:application/octet-stream;base64,{coded}"
-            path.write_text(json.dumps(self.tree))
-            return path
-        text = json.dumps(self.tree).encode()
-        text += b" " * (-len(text) % 4)
-        blob = self.blob + bytes(-len(self.blob) % 4)
-        body = struct.pack("<II", len(text), 0x4E4F534A) + text
-        body += struct.pack("<II", len(blob), 0x004E4942) + blob
-        path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body)
-        return path
-
-
-SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
-HALVES = [[0, 1, 2], [0, 2, 3]]
-
-
 def area_of(path):
     return dapple.Surface(*dapple.read_mesh(path)).area
 
@@ -433,7 +381,40 @@ def test_gltf_instances_of_a_mesh_are_there(tmp_path):
     assert area_of(scene.save(tmp_path / "scene.glb")) == pytest.approx(3)
 
 
-def test_gltf_of_draco_says_so(tmp_path):
+@pytest.mark.parametrize("normalized", [True, False])
+@pytest.mark.parametrize("dtype", ["i1", "u1", "<i2", "<u2"])
+def test_gltf_of_quantized_numbers_is_read(tmp_path, dtype, normalized):
+    # KHR_mesh_quantization: the node brings the numbers back, and rows begin at multiples of 4
+    scene, most, step = Scene(), np.iinfo(dtype).max, np.dtype(dtype).itemsize
+    positions = np.zeros((4, 4), dtype)
+    positions[:, :2] = most * np.array(SQUARE)[:, :2]
+    normals = np.array([[0, 0, 127, 0]] * 4, "i1")
+    corners = np.array(SQUARE)[:, :2] * 65535
+    view = scene.view(positions)
+    scene.tree["bufferViews"][view]["byteStride"] = 4 * step
+    upward = scene.view(normals)
+    scene.tree["bufferViews"][upward]["byteStride"] = 4
+    rows = {"count": 4, "type": "VEC3"}
+    attributes = {
+        "POSITION": scene.add("accessors", bufferView=view, componentType=TYPES[dtype],
+                              normalized=normalized, **rows),
+        "NORMAL": scene.add("accessors", bufferView=upward, componentType=TYPES["i1"],
+                            normalized=True, **rows),
+        "TEXCOORD_0": scene.array(corners, "<u2", normalized=True),
+    }  # fmt: skip
+    mesh = scene.mesh(SQUARE, HALVES, attributes=attributes)
+    scene.tree["extensionsRequired"] = ["KHR_mesh_quantization"]
+    scene.add("nodes", mesh=mesh, scale=[3.0 if normalized else 3.0 / most] * 3)
+    found = dapple.read_mesh(scene.save(tmp_path / "scene.glb"))
+    np.testing.assert_allclose(found.vertices[:, [0, 2]], 3 * np.array(SQUARE)[:, :2], atol=1e-12)
+    normals = found.normals / np.linalg.norm(found.normals, axis=2, keepdims=True)
+    np.testing.assert_allclose(normals, np.tile([0.0, -1, 0], (2, 3, 1)), atol=1e-12)
+    np.testing.assert_allclose(found.uv[..., 0], np.array(SQUARE)[HALVES][..., 0], atol=1e-12)
+    np.testing.assert_allclose(found.uv[..., 1], 1 - np.array(SQUARE)[HALVES][..., 1], atol=1e-12)
+
+
+def test_gltf_of_draco_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "DracoPy", None)
     scene = Scene()
     mesh = scene.mesh(SQUARE, HALVES)
     extension = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}}
@@ -443,6 +424,7 @@ def test_gltf_of_draco_says_so(tmp_path):
     path = scene.save(tmp_path / "scene.glb")
     said = refused("sample", path, tmp_path / "out.csv", "-n", 10)
     assert f"{path}: its meshes are compressed by Draco (KHR_draco_mesh_compression)" in said
+    assert said.endswith('needs DracoPy, which is missing: pip install "dapple3d[draco]"\n')
 
 
 def test_gltf_of_meshoptimizer_says_so(tmp_path):

@@ -12,7 +12,7 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 from dapple3d import instances
-from dapple3d.extras import gltf, godot
+from dapple3d.extras import _gltf_files, gltf, godot
 from dapple3d.instances import Instances, Mesh, Reference, Scatter
 
 TRIANGLE = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 2]]), np.array([[0, 1, 2]]))
@@ -164,7 +164,7 @@ def test_points_are_where_gltf_has_them(tmp_path, surface):
     found = instances.of_samples(dapple.sample(surface, 30, max_evaluations=2))
     godot.write(tmp_path / "a.tscn", found)
     gltf.write(tmp_path / "a.glb", found)
-    document = gltf.load(tmp_path / "a.glb")
+    document = _gltf_files.load(tmp_path / "a.glb")
     (node,) = (one for one in document.tree["nodes"] if "extensions" in one)
     (one,) = placed_in(tmp_path / "a.tscn")
     np.testing.assert_allclose(

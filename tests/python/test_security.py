@@ -33,9 +33,13 @@ INTENDED = {
     ("dapple3d/extras/distributed/shots.py", "distributed"): DASK,
     ("dapple3d/extras/distributed/tiling.py", "distributed"): DASK,
     (
-        "dapple3d/extras/gltf.py",
+        "dapple3d/extras/_gltf_files.py",
         "urllib.parse",
     ): "decodes the path of a file beside a glTF; opens nothing",
+    (
+        "dapple3d/extras/_gltf_prototypes.py",
+        "urllib.parse",
+    ): "decodes the path of a picture beside a glTF; opens nothing",
 }
 
 

@@ -9,8 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _gltf_draco as draco
 from . import gltf
-from .gltf import SUFFIXES, Document
+from ._gltf_files import Document, load, matrix_of, reading
+from ._spaces import with_z_up
+from .gltf import SUFFIXES
 
 __all__ = ["SUFFIXES", "read_arrays"]
 
@@ -20,7 +23,6 @@ DEPTH = 1000  # largest depth of nested nodes
 WIDTHS = {"uv": 2, "normals": 3, "colors": 4}
 MISSING = {"uv": 0.0, "normals": 0.0, "colors": 1.0}
 COMPRESSED = {
-    "KHR_draco_mesh_compression": "Draco",
     "EXT_meshopt_compression": "meshoptimizer",
     "KHR_meshopt_compression": "meshoptimizer",
 }
@@ -33,15 +35,18 @@ def read_arrays(path: str | os.PathLike[str], *, may_be_empty: bool) -> dict[str
         ValueError: naming the file and what is wrong with it.
         OSError: naming the file.
     """
-    document = gltf.load(Path(path))
-    with gltf.reading(path):
-        refused = [name for name in COMPRESSED if name in _needed(document)]
+    document = load(Path(path))
+    with reading(path):
+        needed = _needed(document)
+        refused = [name for name in COMPRESSED if name in needed]
     if refused:
         raise ValueError(
             f"{os.fspath(path)}: its meshes are compressed by {COMPRESSED[refused[0]]} "
             f"({refused[0]}), which is not read: export it without compression"
         )
-    with gltf.reading(path):
+    if draco.EXTENSION in needed:
+        draco.check_installed(path)
+    with reading(path):
         parts = list(_parts(document))
     found = _joined(parts) if parts else _nothing()
     if len(found["faces"]) == 0 and not may_be_empty:
@@ -101,7 +106,7 @@ def _worlds(document: Document) -> dict[int, Floats]:
         number, above, depth = pending.pop()
         if depth > DEPTH or number in found:
             raise ValueError(f"node {number} is below itself, or below two others")
-        found[number] = world = above @ gltf.matrix_of(nodes[number])
+        found[number] = world = above @ matrix_of(nodes[number])
         below = nodes[number].get("children", ())
         pending += [(child, world, depth + 1) for child in reversed(below)]
     return found
@@ -121,6 +126,9 @@ def _primitive(
     mode, attributes = primitive.get("mode", TRIANGLES), primitive["attributes"]
     if mode < TRIANGLES or "POSITION" not in attributes:
         return None
+    if draco.is_compressed(document, primitive):
+        draco.decompress(document, primitive)
+        mode = primitive["mode"]
     vertices = _rows(document, attributes["POSITION"], 3)
     for weight, target in zip(weights, primitive.get("targets", ()), strict=False):
         if weight and "POSITION" in target:
@@ -248,14 +256,14 @@ def _joined(parts: list[dict[str, NDArray]]) -> dict[str, Any]:
     if len(vertices) > np.iinfo(np.int32).max:
         raise ValueError(f"holds {len(vertices)} vertices: numbers of 32 bits are needed")
     found: dict[str, Any] = {
-        "vertices": gltf.with_z_up(vertices),
+        "vertices": with_z_up(vertices),
         "faces": faces.astype(np.int32),
         "polygons": np.arange(len(faces), dtype=np.int32),
     }
     for name, width in WIDTHS.items():
         if any(name in part for part in parts):
             rows = np.concatenate([_or_missing(part, name, width) for part in parts])
-            rows = gltf.with_z_up(rows) if name == "normals" else rows
+            rows = with_z_up(rows) if name == "normals" else rows
             found[name] = rows[faces].astype(np.float32 if name == "colors" else np.float64)
     return found
 

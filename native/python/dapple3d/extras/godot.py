@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from .._native import write_mesh
 from ..instances import Instances, Mesh, Reference, Scatter, Up
 from ..writing import naming, replacing
-from .gltf import check_space, matrices_of, single, single_frame, standing, with_y_up
+from ._spaces import check_space, matrices_of, single, single_frame, standing, with_y_up
 
 __all__ = ["MESHES", "SUFFIXES", "write", "write_scatters"]
 
