@@ -119,6 +119,18 @@ class Round {
     return std::move(passed_);
   }
 
+  /// Only the changes of these places.
+  Passed run(const Exchange& places) {
+    order_.resize(sites_.size());
+    std::iota(order_.begin(), order_.end(), 0);
+    fill(order_.begin(), order_.end(), static_cast<double>(sites_.size()));
+    patch_ = places.of_sites;
+    changes_ = places.changes;
+    take_out();
+    put_in();
+    return std::move(passed_);
+  }
+
   /// The share of the remaining work, in this and later rounds, that is done.
   [[nodiscard]] double progress() const {
     const auto cells = static_cast<double>(sites_.size());
@@ -485,6 +497,27 @@ void spend(const Passed& passed, Rule& rule) {
   rule.most_come -= std::min(rule.most_come, came);
 }
 
+Traced traced(const Sites& sites) {
+  Traced result{sites, std::vector<std::int32_t>(sites.size())};
+  std::iota(result.origin.begin(), result.origin.end(), 0);
+  return result;
+}
+
+/// What stays of the sites at the beginning, and what is new.
+Rebalanced difference_of(const Traced& now, int evaluations) {
+  Rebalanced result;
+  std::vector<std::int32_t> fresh;
+  for (std::size_t k = 0; k < now.origin.size(); ++k) {
+    if (now.origin[k] >= 0)
+      result.stay.push_back(static_cast<std::size_t>(now.origin[k]));
+    else
+      fresh.push_back(static_cast<std::int32_t>(k));
+  }
+  result.fresh = select(now.sites, fresh);
+  result.evaluations = evaluations;
+  return result;
+}
+
 std::vector<bool> left_of(const std::vector<bool>& values, const std::vector<bool>& alive) {
   std::vector<bool> result;
   for (std::size_t k = 0; k < values.size(); ++k)
@@ -508,14 +541,13 @@ Rebalanced rebalance(const Domain& domain, const Sites& sites, std::size_t count
   Rule rule{.count = count,
             .most_come = more_than(count, sites.size()),
             .most_go = more_than(sites.size(), count)};
-  Rebalanced result;
-  Traced now{sites, std::vector<std::int32_t>(sites.size())};
-  std::iota(now.origin.begin(), now.origin.end(), 0);
+  Traced now = traced(sites);
+  int evaluations = 0;
   const Surface sided = domain.sampling_surface(count);
   const Islands islands(sided);
   double done = 0.0;
   for (bool complete = false; !complete;) {
-    const bool limited = ++result.evaluations < kRounds;
+    const bool limited = ++evaluations < kRounds;
     Stretch left(context, done, 1.0);
     const auto cells = static_cast<double>(now.sites.size());
     Stretch dividing(left.context(), 0.0, cells / rebalancing_work(now.sites.size(), count));
@@ -529,15 +561,19 @@ Rebalanced rebalance(const Domain& domain, const Sites& sites, std::size_t count
     apply(passed, now);
     complete = passed.complete || rule.most_come + rule.most_go == 0;
   }
-  std::vector<std::int32_t> fresh;
-  for (std::size_t k = 0; k < now.origin.size(); ++k) {
-    if (now.origin[k] >= 0)
-      result.stay.push_back(static_cast<std::size_t>(now.origin[k]));
-    else
-      fresh.push_back(static_cast<std::int32_t>(k));
-  }
-  result.fresh = select(now.sites, fresh);
-  return result;
+  return difference_of(now, evaluations);
+}
+
+Rebalanced move_between(const Domain& domain, const Sites& sites, const RestrictedVoronoi& diagram,
+                        const Exchange& places, std::uint64_t seed) {
+  Random random(seed);
+  const Surface sided = domain.sampling_surface(sites.size());
+  const Islands islands(sided);
+  const Rule rule{.count = sites.size()};
+  Traced now = traced(sites);
+  apply(Round(sided, islands, domain, sites, rule, diagram, false, random, nullptr).run(places),
+        now);
+  return difference_of(now, 0);
 }
 
 Thinned thin_out(const Surface& surface, const Domain& domain, const Sites& sites, FreeSites part,
@@ -545,8 +581,7 @@ Thinned thin_out(const Surface& surface, const Domain& domain, const Sites& site
   Random random(0);  // unused, because nothing is inserted
   const Islands islands(surface);
   Rule rule{.count = sites.size(), .free = std::move(part.free), .capacity = part.capacity};
-  Traced now{sites, std::vector<std::int32_t>(sites.size())};
-  std::iota(now.origin.begin(), now.origin.end(), 0);
+  Traced now = traced(sites);
   Thinned result;
   for (bool complete = false; !complete;) {
     if (result.evaluations > 0) part.diagram = domain.cells(now.sites, nullptr);

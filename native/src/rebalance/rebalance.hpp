@@ -32,6 +32,19 @@ struct Rebalanced {
                                    std::uint64_t seed, Context* context,
                                    std::size_t pairs = kAnyNumber);
 
+/// Disjoint sets of sites, and how many each is to gain or to lose.
+struct Exchange {
+  std::vector<std::size_t> of_sites;    ///< per site, its place
+  std::vector<std::ptrdiff_t> changes;  ///< per place
+};
+
+/// Move sites between places: those with the smallest cells of a place are taken out, and new ones
+/// come into the widest gaps of the largest cells of another.
+/// \param sites with barycentric coordinates, and their cells
+[[nodiscard]] Rebalanced move_between(const Domain& domain, const Sites& sites,
+                                      const RestrictedVoronoi& diagram, const Exchange& places,
+                                      std::uint64_t seed);
+
 /// Some of the sites, which alone may go.
 struct FreeSites {
   std::vector<bool> free;     ///< per site

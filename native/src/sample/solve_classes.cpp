@@ -12,6 +12,7 @@
 #include "optimize/forecast.hpp"
 #include "optimize/mending.hpp"
 #include "rebalance/rebalance.hpp"
+#include "rebalance/trade_singles.hpp"
 #include "sample/outcome.hpp"
 #include "sample/subdivided_start.hpp"
 #include "surface/on_density.hpp"
@@ -53,6 +54,7 @@ constexpr int kMoves = 6;           // times that sites are moved after the step
 constexpr std::size_t kFewest = 3;  // sites to move for which another minimization is worthwhile
 // While the capacity variation is larger, apart from what whole numbers cause.
 constexpr double kUneven = 0.012;
+constexpr double kTrading = 0.02;  // likewise, for trades of single sites
 // Sites are moved early if the variation is larger than this after a few steps, the last of which
 // decreased the energy by less than so many tolerances. Smooth bodies are below it then.
 constexpr double kFarFromEven = 0.045;
@@ -126,10 +128,8 @@ struct Evened {
   int evaluations = 0;
 };
 
-/// Move sites between neighborhoods so that each has its share of the density. The number of sites
-/// does not change, and sites that stay keep their index.
-Evened evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Context* context) {
-  const Rebalanced found = rebalance(domain, sites, sites.size(), seed, context);
+/// New sites instead of those that went. Sites that stay keep their index.
+Evened replaced(const Sites& sites, const Rebalanced& found) {
   std::vector<bool> stays(sites.size(), false);
   for (const std::size_t k : found.stay) stays[k] = true;
   std::vector<std::int32_t> gone;
@@ -138,6 +138,20 @@ Evened evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Cont
   Evened result{sites, gone.size(), found.evaluations};
   put(result.sites, gone, found.fresh);
   return result;
+}
+
+/// Move sites between neighborhoods so that each has its share of the density. The number of sites
+/// does not change.
+Evened evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Context* context) {
+  return replaced(sites, rebalance(domain, sites, sites.size(), seed, context));
+}
+
+/// Trade single sites between places that hold one too few and places that hold one too many.
+Evened traded(const Domain& domain, const Evaluation& state, std::uint64_t seed) {
+  const Exchange trades = find_trades(state.diagram());
+  if (std::all_of(trades.changes.begin(), trades.changes.end(), [](auto c) { return c == 0; }))
+    return {state.sites};
+  return replaced(state.sites, move_between(domain, state.sites, state.diagram(), trades, seed));
 }
 
 /// Whether many sites have sites of the other side of a sheet as close as their neighbors, and the
@@ -265,27 +279,32 @@ ClassMinimum solve_moving(const ClassProblem& problem, Objective objective, cons
 
 /// Where parts are hardly connected, steps end at a minimum in which some neighborhoods have a site
 /// too many and others one too few. Move such sites and continue from there, as long as that lowers
-/// the energy and several are to move.
-void move_over(const ClassProblem& problem, const ClassOptions& options, ClassMinimum& found,
-               Context* context) {
+/// the energy. Where only few are to move, trade single ones between parts instead.
+/// \return evaluations of a last trade that did not lower the energy
+int move_over(const ClassProblem& problem, const ClassOptions& options, ClassMinimum& found,
+              Context* context) {
   OptimizerOptions rest = options.sample.optimizer;
   double done = 0.0;
   const auto is_not_even = [&] {
     return is_uneven(problem, rest, found.objective, found.minimum.state, kUneven);
   };
   for (int round = 1; round <= kMoves && is_not_even(); ++round) {
-    if (found.minimum.evaluations + kMoved >= options.sample.optimizer.max_evaluations) return;
+    if (found.minimum.evaluations + kMoved >= options.sample.optimizer.max_evaluations) break;
     const double before = std::exchange(done, done + kRound * (1.0 - done));
     const double moved = before + kMoving * (done - before);
     Stretch moving(context, before, moved), stepping(context, moved, done);
-    const Evened start =
-        evened(*problem.all, found.minimum.state.sites,
-               options.sample.seed + static_cast<std::uint64_t>(round), moving.context());
+    const std::uint64_t seed = options.sample.seed + static_cast<std::uint64_t>(round);
+    Evened start = evened(*problem.all, found.minimum.state.sites, seed, moving.context());
     const int evaluations = found.minimum.evaluations + start.evaluations;
-    if (start.moved < kFewest) {
+    const bool single = start.moved < kFewest;
+    if (single)
+      start = is_uneven(problem, rest, found.objective, found.minimum.state, kTrading)
+                  ? traded(*problem.all, found.minimum.state, seed)
+                  : Evened{};
+    if (start.moved == 0) {
       found.minimum.evaluations = evaluations;
       found.minimum.converged = found.minimum.converged || found.minimum.settled;
-      return;
+      break;
     }
     rest.max_evaluations = std::max(1, options.sample.optimizer.max_evaluations - evaluations);
     Minimum next = minimize(found.objective, start.sites, rest, stepping.context());
@@ -294,16 +313,17 @@ void move_over(const ClassProblem& problem, const ClassOptions& options, ClassMi
     if (!(next.state.total < found.minimum.state.total)) {
       // Not even another start leads lower.
       found.minimum.converged = found.minimum.converged || next.settled;
-      return;
+      return single ? next.evaluations - evaluations : 0;
     }
     found.minimum = std::move(next);
   }
+  return 0;
 }
 
 /// Whether the energy jumps at few steps only. Where every second one fails, more of them gain
 /// little.
-bool most_steps_lead_on(const Minimum& found) {
-  return found.evaluations < kPerStep * found.iterations;
+bool most_steps_lead_on(int evaluations, int iterations) {
+  return evaluations < kPerStep * iterations;
 }
 
 /// What steps of all sites leave to do: numbers that are off, cells that are not even, and sites
@@ -313,8 +333,9 @@ void finish(const ClassProblem& problem, const ClassOptions& options, ClassMinim
   const OptimizerOptions& optimizer = options.sample.optimizer;
   Stretch moving(context, 0.0, kOver), going_on(context, kOver, kEnding),
       ending(context, kEnding, 1.0);
-  move_over(problem, options, found, moving.context());
-  if (!problem.all->has_bodies() && most_steps_lead_on(found.minimum) &&
+  const int vain = move_over(problem, options, found, moving.context());
+  const Minimum& now = found.minimum;
+  if (!problem.all->has_bodies() && most_steps_lead_on(now.evaluations - vain, now.iterations) &&
       is_uneven(problem, optimizer, found.objective, found.minimum.state, kUneven))
     go_on(found, optimizer, going_on.context());
   mend_places(found.objective, optimizer, found.minimum, ending.context());
