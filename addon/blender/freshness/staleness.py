@@ -36,17 +36,17 @@ def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
 def verdict(
     obj: bpy.types.Object, context: bpy.types.Context, snapshot: SceneSnapshot | None = None
 ) -> Verdict:
-    """Compare a result with the current scene; that is not possible while its points are edited.
+    """Compare a result with the current scene; its points are not seen while they are edited.
 
     `snapshot` holds what was read before. Motion is compared on whole baked frames: call it again
     at another frame.
     """
-    if obj.data.is_editmode:
-        return Verdict("", translated("Not compared with its surface in Edit Mode"))
     depsgraph = context.evaluated_depsgraph_get()
     try:
         return _verdict(obj, depsgraph, snapshot or SceneSnapshot())
     except ScatterError as error:  # such inputs could not be solved
+        if obj.data.is_editmode:
+            return Verdict("", translated("Not compared with its surface in Edit Mode"))
         return Verdict(str(error))
 
 

@@ -16,7 +16,7 @@ from ..surface.scatters import scatters_of
 from .guides import add_guides
 
 
-def _scatter_names(_operator: Any, context: bpy.types.Context, text: str) -> list[str]:
+def scatter_names(_operator: Any, context: bpy.types.Context, text: str) -> list[str]:
     """The scatters on the active surface, on that of the active scatter or of hair just made."""
     obj = context.object
     if is_scatter(obj):
@@ -40,7 +40,7 @@ class DAPPLE_OT_add_hair_guides(AllOrNothing, bpy.types.Operator):
         name="Scatter",
         description="Scatter whose points are the roots; if empty, the active one, or that of the "
         "active surface",
-        search=_scatter_names,
+        search=scatter_names,
         search_options=set(),
         options={"SKIP_SAVE"},
     )

@@ -177,7 +177,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         layout.use_property_decorate = False
         for name in ("count", "feature_angle", "density"):
             layout.prop(self, name)
-        self._draw_image(layout, context.object)
+        self.draw_image(layout, context.object)
         row = layout.row()
         row.enabled = self.animation != "SEQUENCE"
         row.prop(self, "adaptive")
@@ -188,7 +188,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
             column.prop(self, "frame_start")
             column.prop(self, "frame_end")
 
-    def _draw_image(self, layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> None:
+    def draw_image(self, layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> None:
         layout.prop_search(self, "image", bpy.data, "images", icon="IMAGE_DATA")
         if not self.image:
             return

@@ -325,7 +325,7 @@ def test_scatters_of_the_active_surface_are_offered():
     surface = suzanne()
     obj = scenes.scattered(surface, 30)
     scenes.scattered(suzanne(location=(4.0, 0.0, 0.0)), 30)
-    offered = addon_host.part("blender.hair.operators")._scatter_names
+    offered = addon_host.part("blender.hair.operators").scatter_names
     for active in (surface, obj, guides(obj, count=5)):
         scenes.activate(active)
         assert offered(None, bpy.context, "") == [obj.name]

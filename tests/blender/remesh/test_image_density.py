@@ -194,7 +194,7 @@ def asked(**chosen):
     names = {"bl_rna": bpy.ops.dapple.remesh.get_rna_type(), "animation": "KEEP", "image": ""}
     shown: list[str] = []
     dialog = types.SimpleNamespace(layout=Dialog(shown), **(names | chosen))
-    dialog._draw_image = functools.partial(kind._draw_image, dialog)
+    dialog.draw_image = functools.partial(kind.draw_image, dialog)
     kind.draw(dialog, bpy.context)
     return shown
 

@@ -5,6 +5,7 @@ Draco allocates whatever the head of its data promises, so that is compared with
 the size of the data first. https://google.github.io/draco/spec/
 """
 
+import importlib
 import os
 from io import BytesIO
 from types import ModuleType
@@ -73,9 +74,7 @@ def decompress(document: Document, primitive: dict[str, Any]) -> None:
 
 
 def _draco() -> ModuleType:
-    import DracoPy
-
-    return DracoPy
+    return importlib.import_module("DracoPy")  # it has no types
 
 
 def _decoded(block: bytes) -> Any:
