@@ -59,9 +59,7 @@ class MeshSequence:
     def _next(self, old: OldMesh, context: Any) -> tuple[Ground, Any] | None:
         """What the frame shows and its SequenceMesh; None without faces."""
         ground = ground_of(old, self.count, context) if len(old.faces) else None
-        given = {"edges": old.lines, "context": context}
-        if ground is not None:
-            given = {"edges": ground.lines, "context": rest_of(context, old)}
+        given = {"edges": ground.lines if ground else old.lines, "context": rest_of(context, old)}
         if self._sequence is not None:
             made = self._sequence.advance(ground.surface if ground else None, **given)
             return None if ground is None else (ground, made)

@@ -80,8 +80,7 @@ TracedMesh remesh_along(const Surface& surface, std::size_t count, const RemeshO
     if (remesher.flaws() > 0 && k == 0) continue;
     if (remesher.flaws() > 0 && k <= kRefinings) {
       Refined finer = fine.then(refine_edges(fine.surface, remesher.finer_edges(), most, nullptr));
-      const bool is_finer = finer.surface.face_count() > fine.surface.face_count();
-      if (is_finer) {
+      if (finer.surface.face_count() > fine.surface.face_count()) {
         fine = std::move(finer);
         continue;
       }

@@ -63,7 +63,7 @@ ClassOptions class_options(const RemeshOptions& options) {
 /// How long adding sites has mended nothing.
 class Stalls {
  public:
-  Stalls(std::size_t sites, bool along) : sites_(sites), along_(along) {}
+  explicit Stalls(std::size_t sites) : sites_(sites) {}
 
   void add(std::size_t flaws) {
     since_ = flaws < least_ ? 0 : since_ + 1;
@@ -76,13 +76,11 @@ class Stalls {
 
   /// Whether cells in space cannot have the topology: they reach through walls in too many places.
   [[nodiscard]] bool are_hopeless() const {
-    if (along_) return false;
     return (since_half_ >= kHalvings && least_ > kFew) || least_ > kHopeless * sites_;
   }
 
  private:
   std::size_t sites_;
-  bool along_;
   int since_ = 0, since_half_ = 0;
   std::size_t least_ = std::numeric_limits<std::size_t>::max(), half_ = least_;
 };
@@ -275,7 +273,7 @@ void Remesher::look(Context* context) {
 }
 
 void Remesher::mend_all(Context* context) {
-  Stalls stalls(sites_.size(), along_ != nullptr);
+  Stalls stalls(sites_.size());
   bool dense = false;
   const std::size_t most = kMostTimes * count_ + kMostMore;
   for (int k = 0; k < kMendings; ++k) {
@@ -288,7 +286,8 @@ void Remesher::mend_all(Context* context) {
     // Where walls are thinner than cells, as of fingers, new sites bring new flaws for a while: if
     // few at a time mend nothing, many at a time may.
     dense = dense || (along_ && !gives_up_ && stalls.since() >= kStalled);
-    if (stalls.are_hopeless() || stalls.since() >= (dense ? kDensePatience : kPatience)) return;
+    if (stalls.since() >= (dense ? kDensePatience : kPatience)) return;
+    if (!along_ && stalls.are_hopeless()) return;
     if (mend(surface_, lines_, dual_.violations, sites_, dense) == 0) return;
   }
   look(nullptr);

@@ -86,7 +86,7 @@ class Remesher {
   void solve_given(Context* context);
   [[nodiscard]] ClassMinimum solve_anew(const SampleClass& all, Context* context) const;
   /// So many sites of the earlier solution: those farthest from places on lines, which may be their
-  /// own; none if there are too few.
+  /// own; none if there are too few, or not as many where there are no lines.
   [[nodiscard]] Sites solution_beside(const Sites& places, std::size_t count) const;
   /// Space free sites evenly among those on lines, from where they are.
   [[nodiscard]] ClassMinimum solve_from(const Sites& on_lines, const Sites& start,

@@ -17,7 +17,6 @@ constexpr double kApart = 0.5;  // of a place's distance from its site: edits th
 constexpr double kFarApart = 4.0, kDenseApart = 1.0;
 constexpr double kBeside = 1.0;  // the same for places that are far from the mesh
 constexpr double kAway = 1e-6;   // of the spacing, a place that is no other than its site
-constexpr int kKeptRings = 1;    // around sites that stay
 
 Sites site_at(const Surface& surface, const Place& place) {
   const OrderedSurface& mesh = surface.ordered();
@@ -199,14 +198,7 @@ std::size_t thin_out(const Dual& dual, std::size_t excess, RemeshSites& sites,
     }
     gone[k] = true;
     ++removed;
-    std::vector<std::int32_t> around = {static_cast<std::int32_t>(k)};
-    for (int ring = 0; ring < kKeptRings; ++ring)
-      for (std::size_t j = 0, end = around.size(); j < end; ++j)
-        for (const std::int32_t n : neighbors[as_index(around[j])])
-          if (!kept[as_index(n)] || ring == 0) {
-            kept[as_index(n)] = true;
-            around.push_back(n);
-          }
+    for (const std::int32_t n : neighbors[k]) kept[as_index(n)] = true;
   }
   std::vector<std::size_t> left;
   for (std::size_t k = 0; k < sites.size(); ++k)
