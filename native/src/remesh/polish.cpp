@@ -26,6 +26,7 @@ constexpr double kGoalBeside = 38.0;  // the same beside added vertices
 constexpr double kBetween = 1.5, kMostBetween = 8.0;
 constexpr double kBesideLine = 0.5;  // of the room for a vertex: at each end that is on a line
 constexpr double kGain = 0.5;        // degrees: the least that a step is worth
+constexpr double kLittle = 0.0001;   // degrees: after less, the next step of a vertex is shorter
 constexpr double kOfVertex = 3.0;    // degrees: what a vertex is worth
 constexpr int kRounds = 8;
 constexpr double kShort = 0.6;    // of the mean edge around: edges that may collapse
@@ -335,7 +336,7 @@ class Polisher {
         if (found.second > so_far) next = there;
       }
       at = next;
-      if (found.second <= least) step *= 0.5;
+      if (found.second <= least + kLittle) step *= 0.5;
     }
     return found;
   }
@@ -359,9 +360,9 @@ class Polisher {
       if (found.second > least) {
         at = found.first.positions[0];
         face = found.first.faces[0];
-      } else {
-        step *= 0.5;
       }
+      // Out of a fold, steps of any length end close to where they began.
+      if (found.second <= least + kLittle) step *= 0.5;
     }
     return found;
   }

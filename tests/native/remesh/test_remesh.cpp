@@ -513,6 +513,22 @@ TEST(Remesh, HasNoNeedlesAlongATaperingChamfer) {
   }
 }
 
+/// A sheet of steep bumps, between which it is folded sharply.
+Shape bumps(int cells) {
+  return mapped(grid(cells), [](const Vec3& p) {
+    const auto wave = [](double x) { return std::abs(std::sin(3.0 * std::numbers::pi * x)); };
+    return Vec3(1.0 - p[0], p[1], 1.5 * wave(p[0]) * wave(p[1]));
+  });
+}
+
+// Any step out of a fold ends close to where it began: one vertex was moved a million times.
+TEST(Remesh, MovesOfVerticesInFoldsEnd) {
+  for (const int cells : {36, 60}) {
+    const Surface surface = bumps(cells).surface();
+    expect_consistent(surface, remesh(surface, 150, {.feature_angle = 180.0}));
+  }
+}
+
 TEST(Remesh, StopsWhenCancelled) {
   Context context;
   context.cancel();
