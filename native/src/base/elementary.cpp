@@ -28,6 +28,15 @@ double small_angle(double tangent) {
   return 4.0 * tangent * sum;
 }
 
+/// Without branches, so that a loop computes several angles at once.
+inline double angle(double y, double x) {
+  const double along = std::abs(x), across = std::abs(y);
+  const double most = std::max(along, across), least = std::min(along, across);
+  const double small = small_angle(most > 0.0 ? least / most : 0.0);
+  const double quarter = across > along ? 0.5 * std::numbers::pi - small : small;
+  return std::copysign(x < 0.0 ? std::numbers::pi - quarter : quarter, y);
+}
+
 // ln 2 in two parts: integer multiples of the first one, up to 2^11, are exact.
 constexpr double kLogarithmOf2 = 0x1.62e42fefap-1;  // NOLINT(modernize-use-std-numbers): a part
 constexpr double kLogarithmOf2Rest = 0x1.cf79abc9e3b3ap-40;
@@ -65,13 +74,10 @@ Direction direction(double turns) {
   }
 }
 
-double angle_of(double y, double x) {
-  const double along = std::abs(x), across = std::abs(y);
-  const double most = std::max(along, across);
-  double angle = most > 0.0 ? small_angle(std::min(along, across) / most) : 0.0;
-  if (across > along) angle = 0.5 * std::numbers::pi - angle;
-  if (x < 0.0) angle = std::numbers::pi - angle;
-  return std::copysign(angle, y);
+double angle_of(double y, double x) { return angle(y, x); }
+
+void angles_of(std::span<const double> y, std::span<const double> x, std::span<double> angles) {
+  for (std::size_t k = 0; k < angles.size(); ++k) angles[k] = angle(y[k], x[k]);
 }
 
 double arc_sine(double sine) { return angle_of(sine, std::sqrt((1.0 - sine) * (1.0 + sine))); }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+
 namespace dapple {
 
 // From + - * / and square roots alone, which IEEE 754 rounds in one way: the functions of C
@@ -16,6 +18,9 @@ struct Direction {
 
 /// As atan2(y, x), in [-pi, pi], to a relative 2^-50.
 [[nodiscard]] double angle_of(double y, double x);
+
+/// angle_of() each y and x, side by side. \param angles receives as many
+void angles_of(std::span<const double> y, std::span<const double> x, std::span<double> angles);
 
 /// \param sine in [-1, 1]
 [[nodiscard]] double arc_sine(double sine);

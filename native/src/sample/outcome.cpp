@@ -10,6 +10,7 @@
 #include "base/validate.hpp"
 #include "sample/validate_samples.hpp"
 #include "surface/islands.hpp"
+#include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -45,6 +46,7 @@ Quality measure_class(const Objective& objective, const Minimum& found, std::siz
 
 double whole_count_variation(const Domain& domain, const Sites& sites) {
   const Surface surface = domain.sampling_surface(sites.size());
+  if (surface.ordered().components() < 2 && !has_gaps(surface)) return 0.0;
   const Islands islands(surface);
   if (islands.count() < 2 || sites.size() == 0) return 0.0;
   std::vector<double> counts(islands.count(), 0.0);

@@ -17,7 +17,9 @@ constexpr std::size_t kGrain = 4096;  // faces per chunk
 constexpr double kRounding =
     1e-9;  // of a cosine, so that an edge of exactly this angle is not sharper
 constexpr std::int32_t kNone = -1;
-constexpr double kSame = 1e-4;  // difference of equal normals in single precision
+constexpr double kShort = 0x1p-100,
+                 kLong = 0x1p100;  // fourth powers neither underflow nor overflow
+constexpr double kSame = 1e-4;     // difference of equal normals in single precision
 
 std::int32_t corner_of(std::int32_t half_edge) { return half_edge % 3; }
 std::int32_t next_in_face(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
@@ -105,30 +107,41 @@ class Fans {
 };
 
 /// Scales a vector to a length of about 1 by a power of two, so that products of coordinates
-/// neither overflow nor lose digits.
+/// neither overflow nor lose digits. Of most lengths they do not, and no digit depends on it.
 Vec3 of_length_one_or_so(const Vec3& v) {
   const double largest = v.cwiseAbs().maxCoeff();
-  return largest > 0.0 ? Vec3(v * std::ldexp(1.0, -std::ilogb(largest))) : v;
+  if ((largest > kShort && largest < kLong) || !(largest > 0.0)) return v;
+  return v * std::ldexp(1.0, -std::ilogb(largest));
 }
 
-Vec3 mean_normal(const OrderedSurface& mesh, std::span<const std::int32_t> fan) {
-  Vec3 sum = Vec3::Zero();
-  for (const std::int32_t corner : fan)
-    sum += angle_at(mesh, corner) * mesh.geometry(face_of(corner)).normal;
-  sum.stableNormalize();
-  return sum;
-}
-
-}  // namespace
-
-double angle_at(const OrderedSurface& mesh, std::int32_t corner) {
+/// Sine and cosine of the angle of a face at one of its corners, both times the same length.
+Direction directed_angle_at(const OrderedSurface& mesh, std::int32_t corner) {
   const Face& v = mesh.corners(face_of(corner));
   const auto vertex = [&](std::int32_t h) -> const Vec3& {
     return mesh.vertex(v[static_cast<std::size_t>(corner_of(h))]);
   };
   const Vec3 ahead = of_length_one_or_so(vertex(next_in_face(corner)) - vertex(corner));
   const Vec3 behind = of_length_one_or_so(vertex(previous_in_face(corner)) - vertex(corner));
-  return angle_of(ahead.cross(behind).norm(), ahead.dot(behind));
+  return {.cosine = ahead.dot(behind), .sine = ahead.cross(behind).norm()};
+}
+
+/// The angles of faces at many corners.
+std::vector<double> angles_at(const OrderedSurface& mesh, std::span<const std::int32_t> corners) {
+  std::vector<double> sines(corners.size()), cosines(corners.size()), angles(corners.size());
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Direction angle = directed_angle_at(mesh, corners[k]);
+    sines[k] = angle.sine;
+    cosines[k] = angle.cosine;
+  }
+  angles_of(sines, cosines, angles);
+  return angles;
+}
+
+}  // namespace
+
+double angle_at(const OrderedSurface& mesh, std::int32_t corner) {
+  const Direction angle = directed_angle_at(mesh, corner);
+  return angle_of(angle.sine, angle.cosine);
 }
 
 std::shared_ptr<const Shading> shading_by_angle(const OrderedSurface& mesh, double sharp_angle) {
@@ -168,7 +181,7 @@ CornerNormals::CornerNormals(const OrderedSurface& mesh, std::span<const std::in
     : mesh_(mesh), fan_(3 * mesh.face_count(), -1) {
   const Fans fans(mesh);
   std::vector<std::int32_t> members, fan;
-  std::vector<std::size_t> ends;
+  std::vector<std::size_t> ends = {0};
   for (std::size_t f = 0; f < faces.size(); ++f) {
     check_at(f);
     if (f > 0 && faces[f] == faces[f - 1]) continue;
@@ -177,15 +190,22 @@ CornerNormals::CornerNormals(const OrderedSurface& mesh, std::span<const std::in
       if (fan_[static_cast<std::size_t>(corner)] >= 0 || is_given(corner)) continue;
       fans.collect(corner, fan);
       for (const std::int32_t member : fan)
-        fan_[static_cast<std::size_t>(member)] = static_cast<std::int32_t>(ends.size());
+        fan_[static_cast<std::size_t>(member)] = static_cast<std::int32_t>(ends.size() - 1);
       members.insert(members.end(), fan.begin(), fan.end());
       ends.push_back(members.size());
     }
   }
-  normals_.resize(ends.size());
-  for_each_vector(normals_.size(), [&](std::size_t k) {
-    const std::size_t begin = k == 0 ? 0 : ends[k - 1];
-    normals_[k] = mean_normal(mesh, std::span(members).subspan(begin, ends[k] - begin));
+  normals_.resize(ends.size() - 1);
+  parallel_chunks(normals_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    const auto corners = std::span(members).subspan(ends[begin], ends[end] - ends[begin]);
+    const std::vector<double> angles = angles_at(mesh, corners);
+    for (std::size_t k = begin, m = 0; k < end; ++k) {
+      Vec3 sum = Vec3::Zero();
+      for (; m < ends[k + 1] - ends[begin]; ++m)
+        sum += angles[m] * mesh.geometry(face_of(corners[m])).normal;
+      sum.stableNormalize();
+      normals_[k] = sum;
+    }
   });
 }
 

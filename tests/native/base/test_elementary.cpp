@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "base/elementary.hpp"
 #include "shapes.hpp"
@@ -42,6 +43,21 @@ TEST(Elementary, AnglesAreThoseOfTheCLibrary) {
     const double y = random.between(-1.0, 1.0) * scale, x = random.between(-1.0, 1.0);
     const double angle = std::atan2(y, x);
     EXPECT_NEAR(angle_of(y, x), angle, 4 * kUlp * std::abs(angle)) << y << ' ' << x;
+  }
+}
+
+TEST(Elementary, AnglesSideBySideHaveTheSameBits) {
+  Random random(5);
+  std::vector<double> y = {0.0, -0.0, 0.0, -0.0, 2.0, -2.0, 0.0}, x = {0, 0, -3, -3, 0, 0, 3};
+  while (y.size() < 1001) {
+    y.push_back(random.between(-1.0, 1.0));
+    x.push_back(random.between(-1.0, 1.0));
+  }
+  std::vector<double> angles(y.size());
+  angles_of(y, x, angles);
+  for (std::size_t k = 0; k < y.size(); ++k) {
+    EXPECT_EQ(angles[k], angle_of(y[k], x[k])) << y[k] << ' ' << x[k];
+    EXPECT_EQ(std::signbit(angles[k]), std::signbit(y[k])) << y[k] << ' ' << x[k];
   }
 }
 
