@@ -66,9 +66,9 @@ void add_integrals(Sum& sum, const Integrals& part) {
 }
 
 /// Add a region's integrals, known relative to a point at `offset` from the reference point.
-/// \param sum Moments or Integrals
-template <typename Sum>
-void add_shifted(Sum& sum, const Moments& part, const Triple& offset) {
+/// \param sum, part Moments or Integrals
+template <typename Sum, typename Part>
+void add_shifted(Sum& sum, const Part& part, const Triple& offset) {
   const Triple first(part.first);
   sum.area += part.area;
   sum.capacity += part.capacity;

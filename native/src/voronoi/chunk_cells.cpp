@@ -130,11 +130,15 @@ bool ChunkCells::stage_chord(OrderedFace face) {
   if (odd == 3) return false;
   const std::int32_t j = label[odd], i = label[odd == 2 ? 0 : odd + 1];
   const double density = flat_density(face);
-  if (i < 0 || j < 0 || density < 0.0 || !mesh_->divided.of(face).empty()) return false;
+  if (i < 0 || j < 0 || !mesh_->divided.of(face).empty()) return false;
   const FaceEdges::OfFace& edges = mesh_->edges.of(face);
   const EdgeCuts::Link* const after = faces_->cuts.single(edges.edges[odd]);
   const EdgeCuts::Link* const before = faces_->cuts.single(edges.edges[odd == 0 ? 2 : odd - 1]);
   if (!after || !before || !(mesh_->moments[as_index(face)].area > 0.0)) return false;
+  if (density < 0.0) {
+    cut_linear_chord(face, odd, i, j, after->x, before->x);
+    return true;
+  }
   Chords& s = chords_;
   const std::size_t k = chord_count_++;
   const Vec3* const sites = mesh_->lists.positions();
@@ -172,6 +176,32 @@ void ChunkCells::cut_chords() {
     add_boundary(i, j, density * Triple(s.flux_x[k], s.flux_y[k], s.flux_z[k]),
                  density * s.weight[k], s.length[k], s.path[k]);
   }
+}
+
+/// The same where the density varies: the face goes to i, and the triangle from i to j.
+void ChunkCells::cut_linear_chord(OrderedFace face, std::size_t odd, std::int32_t i, std::int32_t j,
+                                  const Triple& after, const Triple& before) {
+  const FaceDensity density = linear_density(face, odd);
+  const double at_after = density.at(after), at_before = density.at(before);
+  const Triple u = after - density.corner, v = before - density.corner;
+  const FaceGeometry& geometry = mesh_->surface.ordered().geometry(face);
+  const Triple centroid(geometry.centroid), corner = density.corner - centroid;
+  const double area = 0.5 * Triple(mesh_->normals[as_index(face)]).dot(u.cross(v));
+  Integrals part;
+  add_linear_triangle(part, area, corner, corner + u, corner + v, density.at_corner, at_after,
+                      at_before);
+  const Moments& whole = geometry.moments;
+  const Integrals rest = {whole.area - part.area, whole.capacity - part.capacity,
+                          whole.mass - part.mass, whole.second - part.second,
+                          Triple(whole.first) - part.first};
+  const auto add = [&](std::int32_t site, const Integrals& sum) {
+    CellPart& to = cell(site);
+    to.pieces += mark_of(face);
+    add_shifted(to.sum, sum, centroid - position(site));
+  };
+  add(i, rest);
+  add(j, part);
+  add_segment(face, i, j, after, before, at_after, at_before);
 }
 
 void ChunkCells::integrate_chords(std::size_t count) {
@@ -424,33 +454,35 @@ bool ChunkCells::add_clipped(OrderedFace face, std::int32_t site) {
   return true;
 }
 
-ChunkCells::FaceDensity ChunkCells::density_around(OrderedFace face, const Triple& origin) const {
+ChunkCells::FaceDensity ChunkCells::linear_density(OrderedFace face, std::size_t corner) const {
   const OrderedSurface& mesh = mesh_->surface.ordered();
-  const FaceGeometry& geometry = mesh.geometry(face);
-  const auto [a, b, c] = mesh_->edges.corners()[as_index(face)];
-  // From the corners, because far from the origin of space the centroid is rounded.
-  const Triple sum = (Triple(mesh_->vertices[as_index(a)]) - origin) +
-                     (Triple(mesh_->vertices[as_index(b)]) - origin) +
-                     (Triple(mesh_->vertices[as_index(c)]) - origin);
-  const Triple gradient(geometry.density_gradient);
-  return {gradient,
-          geometry.moments.capacity / geometry.moments.area - gradient.dot((1.0 / 3.0) * sum)};
+  const std::int32_t vertex = mesh_->edges.corners()[as_index(face)][corner];
+  return {Triple(mesh.geometry(face).density_gradient), Triple(mesh_->vertices[as_index(vertex)]),
+          mesh.density_unit() * mesh.densities(face)[static_cast<Eigen::Index>(corner)]};
 }
 
 /// A convex polygon of a cell.
 void ChunkCells::add_polygon(OrderedFace face, std::int32_t site, std::span<const Triple> points) {
   if (const double flat = flat_density(face); flat >= 0.0)
-    return add_flat_polygon(face, flat, site, points);
-  const Triple n(mesh_->normals[as_index(face)]), x = position(site);
-  const FaceDensity density = density_around(face, x);
+    add_flat_polygon(face, flat, site, points);
+  else
+    add_linear_polygon(face, site, points);
+}
+
+void ChunkCells::add_linear_polygon(OrderedFace face, std::int32_t site,
+                                    std::span<const Triple> points) {
+  const Triple n(mesh_->normals[as_index(face)]), x = position(site), a = points[0] - x;
+  const FaceDensity density = linear_density(face, 0);
   Integrals& sum = cell(site).sum;
-  const Triple a = points[0] - x;
+  const double at_a = density.at(points[0]);
   Triple b = points[1] - x;
+  double at_b = density.at(points[1]);
   for (std::size_t k = 2; k < points.size(); ++k) {
     const Triple c = points[k] - x;
-    const double area = 0.5 * n.dot((b - a).cross(c - a));
-    add_linear_triangle(sum, area, a, b, c, density.at(a), density.at(b), density.at(c));
+    const double area = 0.5 * n.dot((b - a).cross(c - a)), at_c = density.at(points[k]);
+    add_linear_triangle(sum, area, a, b, c, at_a, at_b, at_c);
     b = c;
+    at_b = at_c;
   }
 }
 
@@ -475,6 +507,14 @@ void ChunkCells::add_flat_polygon(OrderedFace face, double density, std::int32_t
 /// The segment from p to q between the cells of i and j.
 void ChunkCells::add_segment(OrderedFace face, std::int32_t i, std::int32_t j, const Triple& p,
                              const Triple& q) {
+  const double flat = flat_density(face);
+  if (flat >= 0.0) return add_segment(face, i, j, p, q, flat, flat);
+  const FaceDensity density = linear_density(face, 0);
+  add_segment(face, i, j, p, q, density.at(p), density.at(q));
+}
+
+void ChunkCells::add_segment(OrderedFace face, std::int32_t i, std::int32_t j, const Triple& p,
+                             const Triple& q, double density_at_p, double density_at_q) {
   Segments& s = segments_;
   const std::size_t k = segment_count_++;
   const Triple n(mesh_->normals[as_index(face)]), x = position(i);
@@ -483,12 +523,8 @@ void ChunkCells::add_segment(OrderedFace face, std::int32_t i, std::int32_t j, c
   s.ax[k] = along.x, s.ay[k] = along.y, s.az[k] = along.z;
   s.dx[k] = d.x, s.dy[k] = d.y, s.dz[k] = d.z;
   s.nx[k] = n.x, s.ny[k] = n.y, s.nz[k] = n.z;
-  s.fp[k] = s.fq[k] = flat_density(face);
-  if (s.fp[k] < 0.0) {
-    const FaceDensity density = density_around(face, x);
-    s.fp[k] = density.at(r);
-    s.fq[k] = density.at(r + along);
-  }
+  s.fp[k] = density_at_p;
+  s.fq[k] = density_at_q;
   s.i[k] = i;
   s.j[k] = j;
   if (segment_count_ == kStaged) flush_segments();

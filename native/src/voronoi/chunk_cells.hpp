@@ -141,11 +141,11 @@ class ChunkCells {
     Numbers flux_x, flux_y, flux_z, weight, length, path;
     std::array<std::int32_t, kStaged> i, j;
   };
-  /// A density that is linear on a face.
+  /// A density that is linear on a face, known at one of its corners.
   struct FaceDensity {
-    Triple gradient;
-    double at_origin;
-    [[nodiscard]] double at(const Triple& x) const { return at_origin + gradient.dot(x); }
+    Triple gradient, corner;
+    double at_corner;
+    [[nodiscard]] double at(const Triple& x) const { return at_corner + gradient.dot(x - corner); }
   };
 
   void begin(const ChunkFaces& faces, ChunkParts& parts);
@@ -155,6 +155,8 @@ class ChunkCells {
   void stage_chords();
   [[nodiscard]] bool stage_chord(OrderedFace face);
   void cut_chords();
+  void cut_linear_chord(OrderedFace face, std::size_t odd, std::int32_t i, std::int32_t j,
+                        const Triple& after, const Triple& before);
   void integrate_chords(std::size_t count);
   [[nodiscard]] bool divide_in_three(OrderedFace face);
   void divide(OrderedFace face);
@@ -172,12 +174,15 @@ class ChunkCells {
   [[nodiscard]] double flat_density(OrderedFace face) const {
     return uniform_ ? 1.0 : mesh_->flat[as_index(face)];
   }
-  [[nodiscard]] FaceDensity density_around(OrderedFace face, const Triple& origin) const;
+  [[nodiscard]] FaceDensity linear_density(OrderedFace face, std::size_t corner) const;
   void add_polygon(OrderedFace face, std::int32_t site, std::span<const Triple> points);
   void add_flat_polygon(OrderedFace face, double density, std::int32_t site,
                         std::span<const Triple> points);
+  void add_linear_polygon(OrderedFace face, std::int32_t site, std::span<const Triple> points);
   void add_segment(OrderedFace face, std::int32_t i, std::int32_t j, const Triple& p,
                    const Triple& q);
+  void add_segment(OrderedFace face, std::int32_t i, std::int32_t j, const Triple& p,
+                   const Triple& q, double density_at_p, double density_at_q);
   void flush_segments();
   void add_boundary(std::int32_t i, std::int32_t j, const Triple& flux, double weight,
                     double length, double squared_path);
