@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An animated object as one new mesh with a shape key for each frame."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -20,22 +18,12 @@ from ..base.object_handles import ObjectHandle
 from ..base.times import chosen_times
 from ..surface.reading import frame_kept
 from .density import Chosen, Images
-from .shown import Shown, read_first, read_next, read_shown, shown_copy
-from .writing import replace_mesh, write_new
+from .frame_meshes import UnusedMeshes, check_same, mesh_of_frame
+from .shown import read_first, read_next
+from .writing import replace_mesh
 
 _REMESHING = 0.2  # share of the progress
 _DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}
-
-
-@dataclass
-class _Bake:
-    """What is read and solved before anything is written."""
-
-    handle: ObjectHandle
-    mesh: int  # session_uid of the object's mesh
-    start: Shown
-    moving: MovingMesh
-    matrices: list[Floats] = field(default_factory=list)  # of the object, for each frame
 
 
 def motion_steps(
@@ -48,59 +36,65 @@ def motion_steps(
 ) -> Steps:
     """Replace an object's mesh by one with shape keys for a range of frames; returns the
     MovingMesh.
+
+    The key of a frame is written before the next frame is read, so that no step takes long and
+    none of them is in memory twice.
     """
     handle, mesh = ObjectHandle(obj), obj.data.session_uid
     first, last = chosen_times(context.scene, *frames)
-    with frame_kept(context.scene):
+    made = UnusedMeshes()
+    with frame_kept(context.scene), made.removed_if_unused():
         old, start = read_first(handle, first, chosen, Images(chosen))
         new = yield Task(lambda worker: remeshed(old, count, options, worker), 0.0, _REMESHING)
+        made.add(mesh_of_frame(handle, first, new, start))
         begun = partial(MovingMesh.begun, old.name, first, new)
-        bake = _Bake(handle, mesh, start, (yield Task(begun, _REMESHING, _REMESHING)))
-        yield from _follow(bake, first, last)
+        moving = yield Task(begun, _REMESHING, _REMESHING)
+        share = (1.0 - _REMESHING) / max(last - first, 1)
+        for k in range(last - first):
+            shown = read_next(handle, first + k + 1, start, first)
+            advance = partial(moving.advance, shown.vertices)
+            places = yield Task(advance, _REMESHING + share * k, _REMESHING + share * (k + 1))
+            _add_key(made.all(old.name)[0], first + k + 1, in_space(shown.matrix, places, old.name))
+        check_same(handle, first, start)
         with all_or_nothing(bpy.context, [handle.get()]):
-            _write(bake)
-    return bake.moving
+            _write(handle.get(), mesh, made, (first, last))
+    return moving
 
 
-def _follow(bake: _Bake, first: int, last: int) -> Any:
-    """Read and solve all frames."""
-    bake.matrices.append(bake.start.matrix)
-    share = (1.0 - _REMESHING) / max(last - first, 1)
-    for k in range(last - first):
-        shown = read_next(bake.handle, first + k + 1, bake.start, first)
-        bake.matrices.append(shown.matrix)
-        advance = partial(bake.moving.advance, shown.vertices)
-        yield Task(advance, _REMESHING + share * k, _REMESHING + share * (k + 1))
+def _add_key(mesh: bpy.types.Mesh, frame: int, vertices: Floats) -> None:
+    """A shape key for a frame, after the basis."""
+    obj = bpy.data.objects.new(mesh.name, mesh)  # only objects can add keys
+    try:
+        _add_basis(obj)
+        key = obj.shape_key_add(name=f"Frame {frame}", from_mix=False)
+        key.data.foreach_set("co", vertices.astype(np.float32).ravel())
+    finally:
+        bpy.data.objects.remove(obj)
 
 
-def _write(bake: _Bake) -> None:
-    """The new mesh with the data of the shown one, and its keys."""
-    obj, moving = bake.handle.get(), bake.moving
-    now = read_shown(bake.handle, moving.first)
-    if not now.is_like(bake.start) or obj.data.session_uid != bake.mesh or obj.mode != "OBJECT":
+def _add_basis(obj: bpy.types.Object) -> None:
+    """The shape key of the first frame, if there are no keys yet."""
+    if obj.data.shape_keys is None:
+        obj.shape_key_add(name="Basis", from_mix=False)
+
+
+def _write(obj: bpy.types.Object, mesh: int, made: UnusedMeshes, frames: tuple[int, int]) -> None:
+    """Replace the mesh, and animate the keys of the new one."""
+    if obj.data.session_uid != mesh or obj.mode != "OBJECT":
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
-    places = [
-        in_space(matrix, frame.vertices, obj.name)
-        for matrix, frame in zip(bake.matrices, moving.frames, strict=True)
-    ]
-    with shown_copy(obj) as mesh:
-        made = write_new(mesh, moving.new)
-    replace_mesh(obj, made)
-    _write_keys(obj, places, moving.first)
+    replace_mesh(obj, made.all(obj.name)[0])
+    _add_basis(obj)
+    _write_motion(obj.data.shape_keys, *frames)
     once_done(lambda: _deform_no_more(obj))  # what is removed cannot be restored
 
 
-def _write_keys(obj: bpy.types.Object, places: Sequence[Floats], first: int) -> None:
-    """A shape key for each frame, which is 1 there and 0 on the others; the first is the basis."""
-    obj.shape_key_add(name="Basis", from_mix=False)
-    last = first + len(places) - 1
-    for frame, vertices in enumerate(places[1:], first + 1):
-        key = obj.shape_key_add(name=f"Frame {frame}", from_mix=False)
-        key.data.foreach_set("co", vertices.astype(np.float32).ravel())
+def _write_motion(keys: bpy.types.Key, first: int, last: int) -> None:
+    """Each key after the first is 1 on its frame and 0 on the others."""
+    for frame, key in enumerate(keys.key_blocks[1:], first + 1):
         for at in range(frame - 1, min(frame + 1, last) + 1):
             key.value = float(at == frame)
             key.keyframe_insert("value", frame=at)
-    for curve in _curves(obj.data.shape_keys):
+    for curve in _curves(keys):
         for keyframe in curve.keyframe_points:
             keyframe.interpolation = "LINEAR"
 

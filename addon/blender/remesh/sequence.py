@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An animated object whose faces change, such as a fluid, as a new object with a mesh per frame."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from functools import partial
 
 import bpy
@@ -23,8 +21,8 @@ from ..base.object_handles import ObjectHandle
 from ..base.times import chosen_times
 from ..surface.reading import frame_kept
 from .density import Chosen, Images
-from .shown import Shown, read_first, read_shown, shown_copy
-from .writing import write_new
+from .frame_meshes import UnusedMeshes, mesh_of_frame
+from .shown import Shown, read_first
 
 _ID = "id"  # Blender's own name for what stays the same from frame to frame
 
@@ -48,81 +46,50 @@ def sequence_steps(
     if options["adaptive"]:
         raise ScatterError("Adaptive is for one mesh: a sequence keeps its spacing")
     given = {name: value for name, value in options.items() if name != "adaptive"}
-    sequence, made = MeshSequence(obj.name, first, count, given), _Meshes()
+    sequence, made = MeshSequence(obj.name, first, count, given), UnusedMeshes()
     share, images = 1.0 / (last - first + 1), Images(chosen)
+    matrices: list[Floats] = []  # of the object
     with frame_kept(context.scene), made.removed_if_unused():
         for k in range(last - first + 1):
             old, shown = read_first(handle, first + k, chosen, images)
             advance = partial(sequence.advance, old)
             frame = yield Task(advance, share * k, share * (k + 1))
-            made.add(_mesh_of_frame(handle, first + k, frame, shown), shown.matrix)
+            made.add(_mesh_of_frame(handle, first + k, frame, shown))
+            matrices.append(shown.matrix)
         sequence.check()
         with all_or_nothing(bpy.context, [handle.get()]):
-            _show(handle.get(), made, first)
+            _show(handle.get(), made, matrices, first)
     return sequence
-
-
-@dataclass
-class _Meshes:
-    """The meshes of the frames so far, which nothing uses yet: Blender does not save such ones."""
-
-    matrices: list[Floats] = field(default_factory=list)  # of the object
-    _uids: list[int] = field(default_factory=list)  # an undo would make references invalid
-
-    def add(self, mesh: bpy.types.Mesh, matrix: Floats) -> None:
-        """The mesh of the next frame."""
-        self._uids.append(mesh.session_uid)
-        self.matrices.append(matrix)
-
-    def all(self, name: str) -> list[bpy.types.Mesh]:
-        """All meshes in the order of the frames; ScatterError if one was removed."""
-        found = self._found()
-        if len(found) < len(self._uids):
-            raise ScatterError(f"'{name}': a mesh was removed in the meantime: nothing was written")
-        return [found[uid] for uid in self._uids]
-
-    @contextmanager
-    def removed_if_unused(self) -> Iterator[None]:
-        """Remove those that no object uses afterward."""
-        try:
-            yield
-        finally:
-            bpy.data.batch_remove([mesh for mesh in self._found().values() if not mesh.users])
-
-    def _found(self) -> dict[int, bpy.types.Mesh]:
-        wanted = set(self._uids)
-        return {mesh.session_uid: mesh for mesh in bpy.data.meshes if mesh.session_uid in wanted}
 
 
 def _mesh_of_frame(
     handle: ObjectHandle, number: int, frame: SequenceFrame | None, before: Shown
 ) -> bpy.types.Mesh:
-    """The new mesh of a frame with the data of the shown one; an empty one without faces."""
-    obj = handle.get()
+    """The new mesh of a frame and the numbers of its vertices; an empty one without faces."""
+    name = handle.get().name
     if frame is None:
-        return bpy.data.meshes.new(obj.name)
-    if not read_shown(handle, number).is_like(before):
-        raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
-    with shown_copy(obj) as old:
-        mesh = write_new(old, frame.new)
-    mesh.name = obj.name
+        return bpy.data.meshes.new(name)
+    mesh = mesh_of_frame(handle, number, frame.new, before)
+    mesh.name = name
     if _ID in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[_ID])
     mesh.attributes.new(_ID, "INT", "POINT").data.foreach_set("value", frame.ids)
     return mesh
 
 
-def _show(obj: bpy.types.Object, made: _Meshes, first: int) -> None:
+def _show(
+    obj: bpy.types.Object, made: UnusedMeshes, matrices: Sequence[Floats], first: int
+) -> None:
     """The meshes in a collection that no scene has, and an object that shows them."""
     frames = bpy.data.collections.new(f"{obj.name} Frames")
-    start = np.linalg.inv(made.matrices[0])
-    for k, (mesh, matrix) in enumerate(zip(made.all(obj.name), made.matrices, strict=True)):
+    start = np.linalg.inv(matrices[0])
+    for k, (mesh, matrix) in enumerate(zip(made.all(obj.name), matrices, strict=True)):
         mesh.transform(_matrix(start @ matrix))
         frames.objects.link(bpy.data.objects.new(f"{k:06d} {obj.name}", mesh))
     new = bpy.data.objects.new(f"{obj.name} Remeshed", bpy.data.meshes.new(f"{obj.name} Remeshed"))
     for material in obj.data.materials:
         new.data.materials.append(material)
-    new.matrix_world = _matrix(made.matrices[0])
+    new.matrix_world = _matrix(matrices[0])
     for collection in obj.users_collection:
         collection.objects.link(new)
     modifier = new.modifiers.new(SEQUENCE.name, "NODES")

@@ -228,7 +228,7 @@ CASES = [
     ("make_tiles", {}, tiled, "blender.tiles.operators.write_tiles"),
     ("add_hair_guides", {}, scattered, "blender.hair.guides.write_curves"),
     ("remesh", {"count": 60}, scenes.sphere, "blender.remesh.operators.write_new"),
-    ("remesh", TO_KEYS, scenes.tail, "blender.remesh.motion._write_keys"),
+    ("remesh", TO_KEYS, scenes.tail, "blender.remesh.motion._write_motion"),
     ("edit_points", {}, scattered, f"{HAND}.operators.begin_editing"),
     ("finish_editing_points", {}, edited, f"{HAND}.operators.end_editing"),
     ("place_point", {}, edited, f"{HAND}.operators.add_vertex"),

@@ -2,11 +2,13 @@
 """Remesh with Dapple, Bake to Shape Keys: one mesh that follows an animation."""
 
 import addon_host
+import bakes
 import bpy
 import dapple3d as dapple
 import numpy as np
 import pytest
 import scenes
+from bakes import blocks, cancel, stepped
 
 BAKE = {"animation": "SHAPE_KEYS", "count": 300}
 
@@ -186,37 +188,39 @@ def test_undo_brings_the_old_mesh_and_its_modifiers_back():
     assert obj.data.shape_keys is None
 
 
-def test_a_canceled_bake_changes_nothing():
+def test_a_canceled_bake_leaves_nothing():
     obj = scenes.tail(levels=0, frames=6)
-    steps, handle = addon_host.part("core.base.steps"), obj.name
     bpy.context.scene.frame_set(4)
-    options = {"feature_angle": 30.0, "max_distance": 0.0}
-    chosen = addon_host.part("blender.remesh.density").Chosen()
-    work = addon_host.part("blender.remesh.motion").motion_steps(
-        bpy.context, obj, 200, chosen, options, (1, 6)
-    )
-    stepper = steps.Stepper(work)
-    while stepper.progress < 0.5:
-        stepper.poll(wait=0.01)
-    stepper.cancel()
+    before, stepper = blocks(), stepped("motion", 200, (1, 6))
+    assert cancel(stepper, 0.5) != before
     with pytest.raises(addon_host.part("core.base.errors").StoppedError, match="Canceled"):
         stepper.poll(wait=60.0)
+    assert blocks() == before
     assert bpy.context.scene.frame_current == 4
-    assert bpy.data.objects[handle].data.shape_keys is None
+    assert bpy.data.objects["Tail"] == obj
+    assert obj.data.shape_keys is None
     assert len(obj.modifiers) == 2
 
 
+def test_keys_are_written_one_after_another():
+    """All of them were written in one block at the end, for which the window froze."""
+    obj = scenes.tail(levels=0, frames=6)
+    stepper = stepped("motion", 200, (1, 6))
+    counts = []
+    while not stepper.poll(wait=0.01):
+        counts.append(max((len(one.key_blocks) for one in bpy.data.shape_keys), default=0))
+        assert obj.data.shape_keys is None
+    assert sorted(set(counts)) == [0, 2, 3, 4, 5]
+    assert counts == sorted(counts)
+    assert keys_of(obj) == 6
+
+
 PRESSED = {
-    **{"count": 200, "feature_angle": 0.5, "max_distance": 0.0, "adaptive": False},
-    **{
-        "density": "",
-        "image": "",
-        "image_channel": "BRIGHTNESS",
-        "uv_map": "",
-        "animation": "SHAPE_KEYS",
-        "frame_start": 1,
-        "frame_end": 6,
-    },
+    **bakes.PRESSED,
+    "count": 200,
+    "animation": "SHAPE_KEYS",
+    "frame_start": 1,
+    "frame_end": 6,
 }
 
 
@@ -269,3 +273,67 @@ def test_in_the_background_changing_faces_are_told(artist):
     assert "'Tail' has other faces in frame 2 than in frame 1" in artist.said(obj)[-1][1]
     assert keys_of(obj) == 0
     assert len(obj.modifiers) == 3
+
+
+def test_in_the_background_an_undo_ends_it(artist):
+    scenes.tail(levels=0, frames=6)
+    bpy.ops.ed.undo_push(message="Before")
+    bpy.data.objects["Rig"].location.y = 0.1
+    bpy.ops.ed.undo_push(message="Moved")
+    before = blocks()
+    artist.press("remesh", **PRESSED)
+    artist.until(lambda: artist.work.job.progress > 0.6)
+    assert blocks() != before
+    bpy.ops.ed.undo()
+    artist.finish()
+    assert blocks() == before
+    assert keys_of(bpy.data.objects["Tail"]) == 0
+    assert len(bpy.data.objects["Tail"].modifiers) == 2
+
+
+def test_a_mesh_that_is_removed_meanwhile_ends_it(artist):
+    obj = scenes.tail(levels=0, frames=6)
+    before = blocks()
+    artist.press("remesh", **PRESSED)
+    artist.until(lambda: artist.work.job.progress > 0.6)
+    bpy.data.orphans_purge()
+    artist.finish()
+    assert "a mesh was removed in the meantime" in artist.said(obj)[-1][1]
+    assert blocks() <= before
+    assert keys_of(obj) == 0
+
+
+def test_files_saved_meanwhile_contain_no_keys(artist, tmp_path):
+    obj = scenes.tail(levels=0, frames=6)
+    artist.press("remesh", **PRESSED)
+    artist.until(lambda: artist.work.job.progress > 0.6)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "meanwhile.blend"), copy=True)
+    artist.finish()
+    assert keys_of(obj) == 6
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "meanwhile.blend"))
+    assert [one.name for one in bpy.data.meshes] == ["Tail"]
+    assert len(bpy.data.shape_keys) == 0
+    assert len(bpy.data.objects["Tail"].modifiers) == 2
+
+
+def test_steps_of_undo_that_are_made_meanwhile_show_no_keys(artist, tmp_path):
+    """The artist moves a lamp while the bake goes on, and takes back both later."""
+    scenes.tail(levels=0, frames=6)
+    lamp = bpy.data.objects.new("Lamp", None)
+    bpy.context.collection.objects.link(lamp)
+    bpy.ops.ed.undo_push(message="Before")
+    before = blocks()
+    artist.press("remesh", **PRESSED)
+    artist.until(lambda: artist.work.job.progress > 0.6)
+    lamp.location.x = 1.0
+    bpy.ops.ed.undo_push(message="Moved")
+    artist.finish()
+    assert keys_of(bpy.context.object) == 6
+    bpy.ops.ed.undo()
+    assert bpy.data.objects["Lamp"].location.x == 1.0
+    assert keys_of(bpy.data.objects["Tail"]) == 0
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "undone.blend"), copy=True)
+    bpy.ops.ed.redo()
+    assert keys_of(bpy.data.objects["Tail"]) == 6
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "undone.blend"))
+    assert blocks() <= before  # Blender saves no unused node groups either

@@ -2,11 +2,13 @@
 """Remesh with Dapple, Bake to Sequence: a mesh for each frame of a body whose faces change."""
 
 import addon_host
+import bakes
 import bpy
 import dapple3d as dapple
 import numpy as np
 import pytest
 import scenes
+from bakes import blocks, cancel, stepped
 
 BAKE = {"animation": "SEQUENCE", "count": 400, "frame_start": 1, "frame_end": 4}
 
@@ -146,25 +148,9 @@ def test_the_file_shows_them_again(tmp_path):
     np.testing.assert_array_equal(shown_on(bpy.data.objects["Block Remeshed"], [3])[3][0], before)
 
 
-def stepped():
-    """The bake of a carved block in steps, and what drives it."""
-    options = {"feature_angle": 30.0, "max_distance": 0.0, "adaptive": False}
-    chosen = addon_host.part("blender.remesh.density").Chosen()
-    work = addon_host.part("blender.remesh.sequence").sequence_steps(
-        bpy.context, bpy.context.object, 300, chosen, options, (1, 4)
-    )
-    return addon_host.part("core.base.steps").Stepper(work)
-
-
-def blocks():
-    """Names of all data-blocks that a bake makes."""
-    lists = ("objects", "meshes", "collections", "node_groups")
-    return {one.name_full for name in lists for one in getattr(bpy.data, name)}
-
-
 def test_frames_are_written_one_after_another():
     carved()
-    before, stepper = set(bpy.data.meshes), stepped()
+    before, stepper = set(bpy.data.meshes), stepped("sequence", 300, (1, 4))
     counts = []
     while not stepper.poll(wait=0.01):
         counts.append(len(set(bpy.data.meshes) - before))
@@ -177,11 +163,8 @@ def test_frames_are_written_one_after_another():
 def test_a_canceled_bake_leaves_nothing():
     block = carved()
     bpy.context.scene.frame_set(3)
-    before, stepper = blocks(), stepped()
-    while stepper.progress < 0.6:
-        stepper.poll(wait=0.01)
-    assert blocks() != before
-    stepper.cancel()
+    before, stepper = blocks(), stepped("sequence", 300, (1, 4))
+    assert cancel(stepper, 0.6) != before
     with pytest.raises(addon_host.part("core.base.errors").StoppedError, match="Canceled"):
         stepper.poll(wait=60.0)
     assert blocks() == before
@@ -190,8 +173,7 @@ def test_a_canceled_bake_leaves_nothing():
     assert bpy.context.object == block
 
 
-UNCHOSEN = {"density": "", "image": "", "image_channel": "BRIGHTNESS", "uv_map": ""}
-PRESSED = {**BAKE, "feature_angle": 0.5, "max_distance": 0.0, "adaptive": False, **UNCHOSEN}
+PRESSED = {**bakes.PRESSED, **BAKE}
 
 
 def test_in_the_background_it_is_one_step_of_undo(artist):
