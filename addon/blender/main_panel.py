@@ -18,7 +18,7 @@ from .hand_points.panel import DAPPLE_PT_placement, draw_editing
 from .object_types.panel import DAPPLE_PT_instances, DAPPLE_UL_object_types
 from .presets.operators import draw_presets
 from .remesh.operators import DAPPLE_OT_remesh
-from .scatter.object import active_surface, is_scatter, rest_note
+from .scatter.object import active_surface, is_scatter, is_surface, rest_note
 from .scatter.panel import Panel
 from .solve.operators import DAPPLE_OT_optimize
 from .solve.panel import DAPPLE_PT_advanced, DAPPLE_PT_amount, DAPPLE_PT_details
@@ -61,7 +61,7 @@ class DAPPLE_PT_main(Panel, bpy.types.Panel):
                 _draw_scatter(layout, context)
         elif not draw_painting(layout, context):
             draw_surface(layout, context.object)
-            if context.object is not None and context.object.type == "MESH":
+            if is_surface(context.object):
                 layout.operator(DAPPLE_OT_remesh.bl_idname, icon="MOD_REMESH")
             _draw_mismatch(layout, context, "INFO")
 

@@ -109,6 +109,13 @@ def test_a_surface_is_offered_a_scatter_and_a_new_mesh():
     assert drawn() == ["dapple.add_scatter", "dapple.remesh"]
 
 
+def test_a_text_is_offered_both_too():
+    bpy.ops.object.text_add()
+    assert drawn() == ["dapple.add_scatter", "dapple.remesh"]
+    bpy.ops.object.light_add()
+    assert "dapple.remesh" not in drawn()
+
+
 def test_a_scatter_shows_its_settings_and_its_result():
     scenes.scattered(scenes.sphere())
     shown = drawn()

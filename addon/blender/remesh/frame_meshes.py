@@ -9,6 +9,7 @@ import bpy
 from ...core.base.errors import ScatterError
 from ...core.remesh import NewMesh
 from ..base.object_handles import ObjectHandle
+from ..base.times import show_time
 from .shown import Shown, read_shown, shown_copy
 from .writing import write_new
 
@@ -19,16 +20,21 @@ def mesh_of_frame(handle: ObjectHandle, number: int, new: NewMesh, before: Shown
     Raises:
         ScatterError: the frame shows something else than before.
     """
-    check_same(handle, number, before)
-    with shown_copy(handle.get()) as old:
+    show_time(bpy.context.scene, number)
+    return mesh_now(handle.get(), new, before)
+
+
+def mesh_now(obj: bpy.types.Object, new: NewMesh, before: Shown) -> bpy.types.Mesh:
+    """The same of the current frame."""
+    check_same(obj, before)
+    with shown_copy(obj) as old:
         return write_new(old, new)
 
 
-def check_same(handle: ObjectHandle, number: int, before: Shown) -> None:
-    """Show a frame; ScatterError if it shows something else than before."""
-    if not read_shown(handle, number).is_like(before):
-        name = handle.get().name
-        raise ScatterError(f"'{name}' was edited in the meantime: nothing was written")
+def check_same(obj: bpy.types.Object, before: Shown) -> None:
+    """ScatterError if the current frame shows something else than before."""
+    if not read_shown(obj).is_like(before):
+        raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
 
 
 class UnusedMeshes:

@@ -15,15 +15,14 @@ from ...core.surface.arrays import Floats
 from ..base.all_or_nothing import all_or_nothing, once_done
 from ..base.mesh_arrays import in_space
 from ..base.object_handles import ObjectHandle
-from ..base.times import chosen_times
+from ..base.times import chosen_times, show_time
 from ..surface.reading import frame_kept
 from .density import Chosen, Images
 from .frame_meshes import UnusedMeshes, check_same, mesh_of_frame
-from .shown import read_first, read_next
-from .writing import replace_mesh
+from .new_object import Remeshed, deform_by_no_parent, show_mesh
+from .shown import check_faces, read_first, read_next
 
 _REMESHING = 0.2  # share of the progress
-_DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}
 
 
 def motion_steps(
@@ -34,8 +33,8 @@ def motion_steps(
     options: Options,
     frames: tuple[int, int],
 ) -> Steps:
-    """Replace an object's mesh by one with shape keys for a range of frames; returns the
-    MovingMesh.
+    """Replace an object's mesh by one with shape keys for a range of frames; a curve, text or
+    metaball is hidden, and a new object shows the mesh. Returns Remeshed with the MovingMesh.
 
     The key of a frame is written before the next frame is read, so that no step takes long and
     none of them is in memory twice.
@@ -45,6 +44,7 @@ def motion_steps(
     made = UnusedMeshes()
     with frame_kept(context.scene), made.removed_if_unused():
         old, start = read_first(handle, first, chosen, Images(chosen))
+        check_faces(handle.get(), old)
         new = yield Task(lambda worker: remeshed(old, count, options, worker), 0.0, _REMESHING)
         made.add(mesh_of_frame(handle, first, new, start))
         begun = partial(MovingMesh.begun, old.name, first, new)
@@ -55,10 +55,11 @@ def motion_steps(
             advance = partial(moving.advance, shown.vertices)
             places = yield Task(advance, _REMESHING + share * k, _REMESHING + share * (k + 1))
             _add_key(made.all(old.name)[0], first + k + 1, in_space(shown.matrix, places, old.name))
-        check_same(handle, first, start)
+        show_time(bpy.context.scene, first)
+        check_same(handle.get(), start)
         with all_or_nothing(bpy.context, [handle.get()]):
-            _write(handle.get(), mesh, made, (first, last))
-    return moving
+            new_obj = _write(handle.get(), mesh, made, (first, last))
+    return Remeshed(ObjectHandle(new_obj), moving)
 
 
 def _add_key(mesh: bpy.types.Mesh, frame: int, vertices: Floats) -> None:
@@ -78,14 +79,18 @@ def _add_basis(obj: bpy.types.Object) -> None:
         obj.shape_key_add(name="Basis", from_mix=False)
 
 
-def _write(obj: bpy.types.Object, mesh: int, made: UnusedMeshes, frames: tuple[int, int]) -> None:
-    """Replace the mesh, and animate the keys of the new one."""
-    if obj.data.session_uid != mesh or obj.mode != "OBJECT":
+def _write(
+    obj: bpy.types.Object, data: int, made: UnusedMeshes, frames: tuple[int, int]
+) -> bpy.types.Object:
+    """Show the new mesh, and animate its keys; returns the object that shows it."""
+    if obj.data.session_uid != data or obj.mode != "OBJECT":
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
-    replace_mesh(obj, made.all(obj.name)[0])
-    _add_basis(obj)
-    _write_motion(obj.data.shape_keys, *frames)
-    once_done(lambda: _deform_no_more(obj))  # what is removed cannot be restored
+    shown = show_mesh(obj, made.all(obj.name)[0])
+    _add_basis(shown)
+    _write_motion(shown.data.shape_keys, *frames)
+    if shown == obj:
+        once_done(lambda: _deform_no_more(obj))  # what is removed cannot be restored
+    return shown
 
 
 def _write_motion(keys: bpy.types.Key, first: int, last: int) -> None:
@@ -114,5 +119,4 @@ def _deform_no_more(obj: bpy.types.Object) -> None:
     """Remove what the keys contain: modifiers that are shown, and the deformation by a parent."""
     for modifier in [one for one in obj.modifiers if one.show_viewport]:
         obj.modifiers.remove(modifier)
-    if obj.parent_type in _DEFORMING_PARENTS:
-        obj.parent_type = "OBJECT"
+    deform_by_no_parent(obj)

@@ -2,6 +2,7 @@
 """Remesh with Dapple: the operator, its dialog and its steps."""
 
 import math
+from contextlib import nullcontext, suppress
 from typing import Any
 
 import bpy
@@ -16,16 +17,21 @@ from ..base.all_or_nothing import Status, all_or_nothing
 from ..base.object_handles import ObjectHandle
 from ..base.operator_jobs import Messages, Outcome
 from ..base.step_operators import OPTIONS, StepsOperator
+from ..base.times import time_of
 from ..base.translation import translated, translated_report
 from ..scatter.linked_data import read_only
-from ..scatter.object import is_scatter
+from ..scatter.object import is_scatter, is_surface
 from ..settings.declarations import with_arguments
 from ..surface.polls import free
+from ..surface.reading import frame_kept
 from ..surface.values import matching_names
-from .density import Chosen, full_name
+from .density import Chosen, Images, full_name
+from .frame_meshes import mesh_now
 from .motion import motion_steps
+from .new_object import Remeshed, show_mesh
 from .reading import read_old
 from .sequence import sequence_steps
+from .shown import check_faces, read_now, read_shown
 from .writing import replace_mesh, write_new
 
 _MOST = 10_000_000
@@ -38,6 +44,15 @@ _FRAME = {  # of the scene
 }
 
 
+def _vertex_count(obj: bpy.types.Object) -> int:
+    """Vertices of a mesh, or of the mesh that an object of another type shows; 0 if none."""
+    if obj.type == "MESH":
+        return len(obj.data.vertices)
+    with suppress(ScatterError):
+        return len(read_shown(obj).vertices)
+    return 0
+
+
 def _density_names(_operator: Any, context: bpy.types.Context, text: str) -> list[str]:
     return matching_names(context.object, text)
 
@@ -46,7 +61,8 @@ def _density_names(_operator: Any, context: bpy.types.Context, text: str) -> lis
 class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
     """Replace the mesh by even triangles on the same surface. Texture coordinates, colors, vertex
     groups, shape keys, materials, attributes and modifiers are kept; seams, creases, borders and
-    marked edges stay where they are"""
+    marked edges stay where they are. A curve, text or metaball is hidden, and a new object has
+    the mesh"""
 
     bl_idname = "dapple.remesh"
     bl_label = "Remesh with Dapple"
@@ -147,14 +163,16 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
         obj = context.object
         if not free(cls):
             return False
-        if context.mode != "OBJECT" or obj is None or obj.type != "MESH":
-            cls.poll_message_set(translated("Needs an active mesh object in Object Mode"))
+        if context.mode != "OBJECT" or obj is None:
+            cls.poll_message_set(translated("Needs an active object in Object Mode"))
         elif is_scatter(obj):
             cls.poll_message_set(translated("The active object is a scatter, not a surface"))
-        elif read_only(obj) or not obj.data.is_editable:
-            cls.poll_message_set(
-                read_only(obj) or translated("The mesh of the active object is linked")
-            )
+        elif not is_surface(obj):
+            cls.poll_message_set(translated("Needs an active mesh, curve, text or metaball object"))
+        elif read_only(obj):
+            cls.poll_message_set(read_only(obj))
+        elif obj.type == "MESH" and not obj.data.is_editable:
+            cls.poll_message_set(translated("The mesh of the active object is linked"))
         else:
             return True
         return False
@@ -162,7 +180,7 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         """Ask for the number of vertices, starting with the current number."""
         if not self.properties.is_property_set("count"):
-            self.count = len(context.object.data.vertices)
+            self.count = _vertex_count(context.object) or self.count
         self.frame_start, self.frame_end = self._frames(context)
         if bpy.app.background:
             return super().invoke(context, event)
@@ -219,6 +237,8 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
             bake = motion_steps if self.animation == "SHAPE_KEYS" else sequence_steps
             frames = self._frames(context)
             return bake(context, context.object, self.count, chosen, options, frames)
+        if context.object.type != "MESH":
+            return shown_steps(context.object, self.count, chosen, options)
         return remesh_steps(context.object, self.count, chosen, options)
 
     def watched(self, context: bpy.types.Context) -> dict[int, str]:
@@ -226,11 +246,12 @@ class DAPPLE_OT_remesh(StepsOperator, bpy.types.Operator):
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
-        if isinstance(result, MovingMesh):
-            return Outcome(obj, [*_messages(obj.name, result.new), _motion_message(result)])
-        if isinstance(result, MeshSequence):
-            return Outcome(obj, _sequence_messages(obj.name, result))
-        return Outcome(obj, _messages(obj.name, result))
+        figures, shown = result.figures, result.obj.get()
+        if isinstance(figures, MovingMesh):
+            return Outcome(shown, [*_messages(obj.name, figures.new), _motion_message(figures)])
+        if isinstance(figures, MeshSequence):
+            return Outcome(shown, _sequence_messages(obj.name, figures))
+        return Outcome(shown, _messages(obj.name, figures))
 
 
 def _messages(name: str, new: NewMesh) -> Messages:
@@ -318,7 +339,7 @@ def _more_vertices(new: NewMesh) -> Messages:
 
 
 def remesh_steps(obj: bpy.types.Object, count: int, chosen: Chosen, options: Options) -> Steps:
-    """Replace an object's mesh; returns the NewMesh."""
+    """Replace an object's mesh; returns Remeshed with the NewMesh."""
     handle, mesh = ObjectHandle(obj), obj.data.session_uid
     old = read_old(obj, chosen)
     new: NewMesh = yield Task(lambda worker: remeshed(old, count, options, worker))
@@ -327,7 +348,23 @@ def remesh_steps(obj: bpy.types.Object, count: int, chosen: Chosen, options: Opt
         raise ScatterError(f"'{obj.name}' was edited in the meantime: nothing was written")
     with all_or_nothing(bpy.context, [obj]):
         replace_mesh(obj, write_new(obj.data, new))
-    return new
+    return Remeshed(handle, new)
+
+
+def shown_steps(obj: bpy.types.Object, count: int, chosen: Chosen, options: Options) -> Steps:
+    """Hide a curve, text or metaball, and make a new object that shows what it does now as a new
+    mesh. Returns Remeshed with the NewMesh.
+    """
+    handle, time = ObjectHandle(obj), time_of(bpy.context.scene)
+    old, shown = read_now(obj, chosen, Images(chosen))
+    check_faces(obj, old)
+    new: NewMesh = yield Task(lambda worker: remeshed(old, count, options, worker))
+    obj, scene = handle.get(), bpy.context.scene
+    # The artist may have changed the frame; one that is shown again loses poses without a key.
+    kept = nullcontext() if time_of(scene) == time else frame_kept(scene, show=time)
+    with kept, all_or_nothing(bpy.context, [obj]):
+        made = show_mesh(obj, mesh_now(obj, new, shown))
+    return Remeshed(ObjectHandle(made), new)
 
 
 def draw_menu(menu: Any, _context: bpy.types.Context) -> None:

@@ -16,12 +16,13 @@ from ...core.surface.arrays import Floats
 from ...nodes.builder import ensure
 from ...nodes.inputs import set_input
 from ...nodes.sequence import SEQUENCE
-from ..base.all_or_nothing import all_or_nothing, once_done
+from ..base.all_or_nothing import all_or_nothing
 from ..base.object_handles import ObjectHandle
 from ..base.times import chosen_times
 from ..surface.reading import frame_kept
 from .density import Chosen, Images
 from .frame_meshes import UnusedMeshes, mesh_of_frame
+from .new_object import Remeshed, object_instead
 from .shown import Shown, read_first
 
 _ID = "id"  # Blender's own name for what stays the same from frame to frame
@@ -36,7 +37,7 @@ def sequence_steps(
     frames: tuple[int, int],
 ) -> Steps:
     """Make a new object that shows a new mesh on each of a range of frames; the object is hidden.
-    Returns the MeshSequence.
+    Returns Remeshed with the MeshSequence.
 
     The mesh of a frame is written before the next frame is read, so that no step takes long and
     only one of them is in memory twice.
@@ -58,8 +59,8 @@ def sequence_steps(
             matrices.append(shown.matrix)
         sequence.check()
         with all_or_nothing(bpy.context, [handle.get()]):
-            _show(handle.get(), made, matrices, first)
-    return sequence
+            new = _show(handle.get(), made, matrices, first)
+    return Remeshed(ObjectHandle(new), sequence)
 
 
 def _mesh_of_frame(
@@ -79,35 +80,23 @@ def _mesh_of_frame(
 
 def _show(
     obj: bpy.types.Object, made: UnusedMeshes, matrices: Sequence[Floats], first: int
-) -> None:
+) -> bpy.types.Object:
     """The meshes in a collection that no scene has, and an object that shows them."""
     frames = bpy.data.collections.new(f"{obj.name} Frames")
     start = np.linalg.inv(matrices[0])
     for k, (mesh, matrix) in enumerate(zip(made.all(obj.name), matrices, strict=True)):
         mesh.transform(_matrix(start @ matrix))
         frames.objects.link(bpy.data.objects.new(f"{k:06d} {obj.name}", mesh))
-    new = bpy.data.objects.new(f"{obj.name} Remeshed", bpy.data.meshes.new(f"{obj.name} Remeshed"))
+    new = object_instead(obj, bpy.data.meshes.new(f"{obj.name} Remeshed"))
     for material in obj.data.materials:
         new.data.materials.append(material)
     new.matrix_world = _matrix(matrices[0])
-    for collection in obj.users_collection:
-        collection.objects.link(new)
     modifier = new.modifiers.new(SEQUENCE.name, "NODES")
     modifier.node_group = ensure(SEQUENCE)
     set_input(modifier, "Frames", frames)
     set_input(modifier, "Start", first)
-    once_done(partial(_show_instead, ObjectHandle(obj), ObjectHandle(new)))
+    return new
 
 
 def _matrix(rows: Floats) -> Matrix:
     return Matrix(rows.tolist())
-
-
-def _show_instead(obj: ObjectHandle, made: ObjectHandle) -> None:
-    """Hide the old object and select the new one."""
-    old, new = obj.get(), made.get()
-    old.hide_render = True
-    old.select_set(False)
-    old.hide_set(True)
-    new.select_set(True)
-    bpy.context.view_layer.objects.active = new

@@ -68,7 +68,11 @@ def read_first(
 ) -> tuple[OldMesh, Shown]:
     """What is remeshed: the object as it is shown on a frame, with the density as in read_old()."""
     show_time(bpy.context.scene, frame)
-    obj = handle.get()
+    return read_now(handle.get(), chosen, images)
+
+
+def read_now(obj: bpy.types.Object, chosen: Chosen, images: Images) -> tuple[OldMesh, Shown]:
+    """The same on the current frame."""
     with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
         shown = _shown(obj, mesh)
         corners = triangle_corners(mesh) if len(mesh.polygons) else _NO_FACES
@@ -84,20 +88,36 @@ def read_first(
         return old, shown
 
 
-def read_shown(handle: ObjectHandle, frame: int) -> Shown:
-    """The object as it is shown on a frame."""
-    show_time(bpy.context.scene, frame)
-    obj = handle.get()
+def check_faces(obj: bpy.types.Object, old: OldMesh) -> None:
+    """ScatterError if a curve or metaball has no faces, with what to do."""
+    if len(old.faces):
+        return
+    if obj.type == "CURVE":
+        raise ScatterError(
+            f"'{obj.name}' has no faces, it is a bare curve: give it a little Extrude or Bevel "
+            "Depth below Geometry in its Data properties"
+        )
+    if obj.type == "META":
+        raise ScatterError(
+            f"'{obj.name}' has no faces: of metaballs with the same name before the dot, the "
+            "surface belongs to the first one. Select that"
+        )
+
+
+def read_shown(obj: bpy.types.Object) -> Shown:
+    """The object as it is shown on the current frame."""
     with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
         return _shown(obj, mesh)
 
 
 def read_next(handle: ObjectHandle, frame: int, first: Shown, first_frame: int) -> Shown:
     """The object on another frame; ScatterError if it has other faces."""
-    shown, name = read_shown(handle, frame), handle.get().name
+    show_time(bpy.context.scene, frame)
+    obj = handle.get()
+    shown = read_shown(obj)
     if not shown.has_faces_of(first):
         raise ScatterError(
-            f"'{name}' has other faces in frame {frame} than in frame {first_frame}: shape "
+            f"'{obj.name}' has other faces in frame {frame} than in frame {first_frame}: shape "
             "keys need the same ones. Choose frames in which they stay, or Bake to Sequence"
         )
     return shown

@@ -193,7 +193,14 @@ SPRAY = {
     "spacing": 0.3,
 }
 TO_KEYS = {"count": 150, "animation": "SHAPE_KEYS", "frame_start": 1, "frame_end": 3}
+
+
 # Operator, its properties, preparation, and the last step as a module and a name in it.
+def text():
+    bpy.ops.object.text_add()
+    bpy.context.object.data.extrude = 0.1
+
+
 CASES = [
     ("add_scatter", {"count": 40}, scenes.sphere, "blender.add.steps.write_solved"),
     ("add_scatter", {"count": 40}, two_objects, "blender.add.steps.write_solved"),
@@ -228,6 +235,7 @@ CASES = [
     ("make_tiles", {}, tiled, "blender.tiles.operators.write_tiles"),
     ("add_hair_guides", {}, scattered, "blender.hair.guides.write_curves"),
     ("remesh", {"count": 60}, scenes.sphere, "blender.remesh.operators.write_new"),
+    ("remesh", {"count": 60}, text, "blender.remesh.operators.show_mesh"),
     ("remesh", TO_KEYS, scenes.tail, "blender.remesh.motion._write_motion"),
     ("edit_points", {}, scattered, f"{HAND}.operators.begin_editing"),
     ("finish_editing_points", {}, edited, f"{HAND}.operators.end_editing"),

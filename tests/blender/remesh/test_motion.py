@@ -126,6 +126,22 @@ def test_a_parent_that_deforms_does_so_once():
     assert obj.parent == rig
 
 
+def test_an_object_whose_parent_deforms_stays_in_its_place():
+    """Its place relative to the parent was lost."""
+    obj = scenes.tail(levels=0, frames=3)
+    rig = obj.modifiers["Armature"].object
+    rig.location.x = 5.0
+    bpy.context.view_layer.update()
+    obj.modifiers.clear()
+    obj.parent, obj.parent_type = rig, "ARMATURE"
+    obj.matrix_parent_inverse = rig.matrix_world.inverted()
+    before = frames_of(obj, [1, 3])
+    assert bpy.ops.dapple.remesh(**BAKE, frame_start=1, frame_end=3) == {"FINISHED"}
+    for frame, (places, _) in frames_of(obj, [1, 3]).items():
+        found = dapple.project(dapple.Surface(*before[frame]), places)
+        assert found.distances.max() < 1e-4
+
+
 def test_a_range_of_frames():
     obj = scenes.tail(levels=0, frames=6)
     before = frames_of(obj, range(1, 7))

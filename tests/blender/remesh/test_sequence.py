@@ -157,7 +157,7 @@ def test_frames_are_written_one_after_another():
     assert sorted(set(counts)) == [0, 1, 2, 3]
     assert counts == sorted(counts)
     assert len(set(bpy.data.meshes) - before) == 5  # one of them is that of the new object
-    assert stepper.result.frame_count == 4
+    assert stepper.result.figures.frame_count == 4
 
 
 def test_a_canceled_bake_leaves_nothing():
@@ -187,7 +187,7 @@ def test_in_the_background_it_is_one_step_of_undo(artist):
     artist.finish()
     assert bpy.context.object.name == "Block Remeshed"
     assert bpy.context.scene.frame_current == 3
-    assert "4 frames with" in artist.said(bpy.data.objects["Block"])[-1][1]
+    assert "4 frames with" in artist.said(bpy.context.object)[-1][1]
     made = shown_on(bpy.context.object, [3])[3][0]
     bpy.ops.ed.undo()
     assert blocks() == before
