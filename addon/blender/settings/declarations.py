@@ -2,7 +2,8 @@
 """Settings of the core's tables as Blender's properties."""
 
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 import bpy
@@ -70,9 +71,18 @@ _UPDATES = {
 }
 
 
-def with_settings(settings: Iterable[Setting]) -> Callable[[_Class], _Class]:
-    """Give a property group a property for each setting, before its own."""
-    return _with({setting.name: _property(setting) for setting in settings})
+def with_settings(
+    settings: Iterable[Setting], updates: Mapping[str, Any] = MappingProxyType({})
+) -> Callable[[_Class], _Class]:
+    """Give a property group a property for each setting, before its own; some by name have update
+    functions of their own.
+    """
+    return _with(
+        {
+            one.name: _property(one, updates.get(one.name, _UPDATES.get(one.changes)))
+            for one in settings
+        }
+    )
 
 
 def with_arguments(settings: Iterable[Setting]) -> Callable[[_Class], _Class]:
@@ -88,12 +98,12 @@ def _with(properties: dict[str, Any]) -> Callable[[_Class], _Class]:
     return given
 
 
-def _property(setting: Setting) -> Any:
+def _property(setting: Setting, update: Any) -> Any:
     make, words = _keywords(setting)
     if setting.kind not in DATA_BLOCKS:
         words["options"] = STILL
-    if setting.changes in _UPDATES and setting.kind is not Kind.MATERIALS:  # each has its own
-        words["update"] = _UPDATES[setting.changes]
+    if update is not None and setting.kind is not Kind.MATERIALS:  # each has its own
+        words["update"] = update
     return make(**words)
 
 

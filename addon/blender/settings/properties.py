@@ -26,12 +26,19 @@ from .property_groups import (
     DAPPLE_PG_tiles,
     DAPPLE_PG_weight,
 )
-from .updates import get_auto_update, get_quality, set_auto_update, set_quality
+from .updates import (
+    count_changed,
+    get_auto_update,
+    get_quality,
+    scatter_on_changed,
+    set_auto_update,
+    set_quality,
+)
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
 
 
-@with_settings(GROUPS[""])
+@with_settings(GROUPS[""], {"count": count_changed, "scatter_on": scatter_on_changed})
 class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     """Settings of a scatter object."""
 
@@ -72,6 +79,11 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         min=0,
         soft_max=99,
         options=STILL,
+    )
+    default_count: BoolProperty(
+        options=STILL,
+        name="Default Count",
+        description="Whether Count is the number that edges begin with, not a chosen one",
     )
     attached_parts: IntProperty(
         options=STILL,

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import bpy
 
+from ...core.settings.edge_table import COUNT, ON_EDGES
 from ...core.settings.solver_options import (
     CUSTOM,
     EVENNESS,
@@ -45,6 +46,23 @@ def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
     write_warning(settings.id_data)
     for follow in followers:
         follow(settings.id_data)
+
+
+def count_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """Update function of the number of points, which somebody has chosen now."""
+    settings.default_count = False
+    settings_changed(settings, context)
+
+
+def scatter_on_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """Update function of Scatter On: unless a number of points was chosen, edges have their own."""
+    if settings.scatter_on == ON_EDGES and not settings.is_property_set("count"):
+        settings.count = COUNT
+        settings.default_count = True
+    elif settings.scatter_on != ON_EDGES and settings.default_count:
+        settings.property_unset("count")
+        settings.default_count = False
+    settings_changed(settings, context)
 
 
 def material_changed(chosen: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:

@@ -6,6 +6,7 @@ import math
 from .descriptors import Kind, Setting
 
 ON_EDGES = "EDGES"
+COUNT = 100  # of points that edges begin with: they have less room than a surface
 MARKS = ("edge_seams", "edge_sharp", "edge_materials")
 KINDS = ("edge_creases", "edge_borders", *MARKS)
 EDGES = (

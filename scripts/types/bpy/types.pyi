@@ -264,6 +264,7 @@ class DAPPLE_PG_scatter(_Open):
     weights: _Collection[DAPPLE_PG_weight]
     object_types: _Collection[DAPPLE_PG_object_type]
     object_type_index: int
+    default_count: bool
     attached_parts: int
     density: DAPPLE_PG_density
     tiles: DAPPLE_PG_tiles

@@ -56,6 +56,56 @@ def test_points_are_evenly_on_all_edges_of_a_cube():
     assert free == pytest.approx(np.repeat([0.0, 0.4, 0.8], [12, 24, 24]), abs=1e-5)
 
 
+def test_edges_begin_with_fewer_points():
+    """A thousand of them made the twelve edges of a cube solid lines."""
+    cube()
+    assert bpy.ops.dapple.add_scatter() == {"FINISHED"}
+    obj = bpy.context.object
+    obj.dapple.scatter_on = "EDGES"
+    assert obj.dapple.count == 100
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert len(places(obj)) == 100
+    obj.dapple.scatter_on = "SURFACE"
+    assert obj.dapple.count == 1000
+    obj.dapple.scatter_on = "EDGES"
+    assert obj.dapple.count == 100
+
+
+@pytest.mark.parametrize("count", [30, 100, 1000])
+def test_a_chosen_number_of_points_stays(count):
+    obj = scenes.scattered(cube(), count=count)
+    for where in ("EDGES", "SURFACE", "EDGES"):
+        obj.dapple.scatter_on = where
+        assert obj.dapple.count == count
+
+
+@pytest.mark.parametrize("count", [30, 100, 1000])
+def test_a_number_that_is_chosen_on_edges_stays(count):
+    obj = scenes.scattered(cube(), count=10)
+    obj.dapple.property_unset("count")
+    obj.dapple.scatter_on = "EDGES"
+    obj.dapple.count = count
+    for where in ("SURFACE", "EDGES"):
+        obj.dapple.scatter_on = where
+        assert obj.dapple.count == count
+
+
+def test_files_and_undo_know_that_no_number_was_chosen(tmp_path):
+    obj = scenes.scattered(cube(), count=10)
+    obj.dapple.property_unset("count")
+    bpy.ops.ed.undo_push(message="Before")
+    obj.dapple.scatter_on = "EDGES"
+    bpy.ops.ed.undo_push(message="Edges")
+    bpy.ops.ed.undo()
+    assert bpy.context.object.dapple.count == 1000
+    bpy.ops.ed.redo()
+    assert bpy.context.object.dapple.count == 100
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "edges.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "edges.blend"))
+    bpy.context.object.dapple.scatter_on = "SURFACE"
+    assert bpy.context.object.dapple.count == 1000
+
+
 def test_things_stand_between_the_faces_and_follow_the_edge():
     obj = on_edges(cube(), 60)
     found, (ahead, normal) = places(obj), axes(obj)
