@@ -133,6 +133,7 @@ _COLOR = (
         "instance one color. Materials read it by an Attribute node of the type Instancer with the "
         "name dapple_color",
         Changes.INSTANCES,
+        own_words=True,
     ),
     Setting(
         "color_image",

@@ -185,6 +185,14 @@ def test_names_that_blender_translates_otherwise_fit_too(german):
     assert {name: text for name, text in said.items() if width_of(text) > 84.0} == {}
 
 
+def test_a_word_that_some_versions_of_blender_write_too_long_is_our_own(german):
+    """Color Attribute is Farbeigenschaft in the German of Blender 4.3, whose end was cut."""
+    scatter = bpy.types.Object.bl_rna.properties["dapple"].fixed_type
+    color = scatter.properties["color_attribute"]
+    assert german(color.name, color.translation_context) == "Farbattribut"
+    assert color.translation_context == part().OWN
+
+
 def test_a_long_text_has_lines_that_fit():
     labels, text = addon_host.part("blender.base.sidebars"), "Added points come down on the surface"
     lines = labels.wrapped(text, 120.0)
