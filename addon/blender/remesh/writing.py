@@ -29,6 +29,7 @@ _KINDS: dict[str, tuple[str, type, int]] = {
     "FLOAT4X4": ("value", np.float32, 16),
 }
 _MIXED = {"FLOAT", "FLOAT_VECTOR", "FLOAT2", "FLOAT_COLOR", "BYTE_COLOR", "FLOAT4X4"}
+_SCULPT = {".sculpt_mask", ".sculpt_face_set"}  # Blender does not list them among attributes
 _OWN = {"position", "material_index", "custom_normal"}  # written otherwise, or no longer right
 
 
@@ -133,7 +134,7 @@ def _carry_over(old: bpy.types.Mesh, made: bpy.types.Mesh, new: NewMesh) -> None
     seams = np.empty(len(old.edges), bool)
     old.edges.foreach_get("use_seam", seams)
     made.edges.foreach_set("use_seam", (edges >= 0) & seams[np.maximum(edges, 0)])
-    for attribute in [one for one in old.attributes if not one.is_internal]:
+    for attribute in [one for one in old.attributes if not one.is_internal or one.name in _SCULPT]:
         target = made.attributes.get(attribute.name)
         if attribute.name in _OWN or attribute.data_type not in _KINDS:
             continue

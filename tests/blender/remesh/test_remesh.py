@@ -137,6 +137,22 @@ def test_materials_and_attributes_and_seams_stay():
     assert length == pytest.approx(8, rel=1e-5)
 
 
+def test_the_mask_and_the_face_sets_of_a_sculpt_stay():
+    """The mask was gone, and all faces were in one set."""
+    mesh = scenes.sphere().data
+    mask = mesh.attributes.new(".sculpt_mask", "FLOAT", "POINT")
+    mask.data.foreach_set("value", [float(v.co.z > 0.0) for v in mesh.vertices])
+    sets = mesh.attributes.new(".sculpt_face_set", "INT", "FACE")
+    sets.data.foreach_set("value", [3 if p.center.x > 0.0 else 8 for p in mesh.polygons])
+    mesh = remeshed(bpy.context.object, count=400)
+    for vertex, value in zip(mesh.vertices, mesh.attributes[".sculpt_mask"].data, strict=True):
+        if abs(vertex.co.z) > 0.3:
+            assert value.value == pytest.approx(float(vertex.co.z > 0.0), abs=1e-5)
+    for polygon, value in zip(mesh.polygons, mesh.attributes[".sculpt_face_set"].data, strict=True):
+        if abs(polygon.center.x) > 0.3:
+            assert value.value == (3 if polygon.center.x > 0.0 else 8)
+
+
 def test_it_deforms_with_its_armature_as_before():
     obj = scenes.tail(levels=0, render_levels=0)
     bpy.context.scene.frame_set(6)
