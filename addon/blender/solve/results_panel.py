@@ -3,7 +3,7 @@
 
 import bpy
 
-from ...core.settings.edge_table import ON_EDGES
+from ...core.solve.stale import was_on_edges
 from ..base import operator_jobs
 from ..base.sidebars import BUTTON, lines_of
 from ..base.translation import translated, translated_count
@@ -29,7 +29,7 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
 def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     """More figures of the last result: (text, icon)."""
     report = obj.dapple.report
-    if not report.measured or obj.dapple.scatter_on == ON_EDGES:
+    if not report.measured or was_on_edges(obj.dapple.solved_settings):
         return [(_effort(obj), "NONE")]
     variation, least = 100 * report.capacity_variation, 100 * report.alpha_min
     lines = [(translated("Area variation {spread:.2g} %", spread=variation), "NONE")]
@@ -90,7 +90,7 @@ def _result(obj: bpy.types.Object) -> str:
     instances = translated_count(report.count, "{count} instance", "{count:,} instances")
     if not report.measured and auto_update.progress(obj) is None:
         return translated("{instances}, not measured: optimize again", instances=instances)
-    if obj.dapple.scatter_on == ON_EDGES:
+    if was_on_edges(obj.dapple.solved_settings):
         apart = _length(report.spacing)
         return translated("{instances}, {apart} apart", instances=instances, apart=apart)
     if not _has_spacing(report):

@@ -29,6 +29,7 @@ _APART = [one.name for one in (*SAMPLE, *MOTION) if one.changes is not Changes.S
 _NAMES = [setting.name for setting in DENSITY if setting.kind in {Kind.VALUES, *DATA_BLOCKS}]
 _COMPARED_ELSEWHERE = [setting.name for setting in DENSITY if setting.kind is Kind.UV_MAP]
 _UNDER = {setting.name: setting.under for setting in DENSITY if setting.under}
+_OF_PLACES = [setting.name for setting in (*EDGES[1:], *SYMMETRY)]  # by Scatter On
 _VERTICES = 4096  # number of sketched vertices, evenly spread over their indices
 _TOLERANCE = 1e-5  # relative to the extent, as machines evaluate a little differently
 
@@ -50,12 +51,15 @@ def changed_settings(stored: str, now: Settings) -> list[str]:
         if isinstance(before["density"], dict):
             before["density"] = defaults["density"] | before["density"]
     wanted = {name: value for name, value in _plain(now).items() if name not in _APART}
-    known = _of_effect(before)
-    return [
-        name
-        for name, value in _of_effect(wanted).items()
-        if name not in before or known[name] != value
-    ]
+    known, wanted = _of_effect(before), _of_effect(wanted)
+    if known.get("scatter_on") != wanted["scatter_on"]:  # which changes what has an effect
+        wanted |= {name: known.get(name) for name in _OF_PLACES}
+    return [name for name, value in wanted.items() if name not in before or known[name] != value]
+
+
+def was_on_edges(stored: str) -> bool:
+    """Whether the points of a result are on edges."""
+    return bool(_read(stored).get("scatter_on") == ON_EDGES)
 
 
 def changed_baking(stored: str, now: BakeSettings) -> list[str]:

@@ -106,6 +106,32 @@ def test_files_and_undo_know_that_no_number_was_chosen(tmp_path):
     assert bpy.context.object.dapple.count == 1000
 
 
+def test_going_to_edges_and_back_names_that_alone():
+    """Ten settings were listed as changed that nobody had touched."""
+    obj = scenes.scattered(cube(), count=60)
+    obj.dapple.symmetry = "X"
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    obj.dapple.scatter_on = "EDGES"
+    assert reason(obj) == "Settings were changed (Scatter On): optimize again"
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    obj.dapple.scatter_on = "SURFACE"
+    assert reason(obj) == "Settings were changed (Scatter On): optimize again"
+
+
+def test_until_it_is_solved_the_panel_tells_of_the_points_that_are_there():
+    """Those on edges were said to have an area variation of 0 %."""
+    obj = scenes.scattered(cube(), count=60)
+    lines = addon_host.part("blender.solve.results_panel")
+    obj.dapple.scatter_on = "EDGES"
+    assert "of ideal" in lines.result_lines(obj, bpy.context)[0][0]
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    on_edges = lines.result_lines(obj, bpy.context)[0][0]
+    assert on_edges.startswith("60 instances, 40 cm apart")
+    obj.dapple.scatter_on = "SURFACE"
+    assert lines.result_lines(obj, bpy.context)[0][0] == "60 instances, 40 cm apart"
+    assert not any("Area" in text for text, _ in lines.figure_lines(obj))
+
+
 def test_things_stand_between_the_faces_and_follow_the_edge():
     obj = on_edges(cube(), 60)
     found, (ahead, normal) = places(obj), axes(obj)
