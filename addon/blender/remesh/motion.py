@@ -88,6 +88,8 @@ def _write(
     shown = show_mesh(obj, made.all(obj.name)[0])
     _add_basis(shown)
     _write_motion(shown.data.shape_keys, *frames)
+    if shown.data.shape_keys.animation_data is not None:  # none for one frame
+        shown.data.shape_keys.animation_data.action.name = f"{obj.name} Keys"
     if shown == obj:
         once_done(lambda: _deform_no_more(obj))  # what is removed cannot be restored
     return shown

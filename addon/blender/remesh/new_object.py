@@ -53,13 +53,15 @@ def object_instead(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Obj
 
 
 def _show_instead(obj: ObjectHandle, made: ObjectHandle) -> None:
-    """Hide the old object and select the new one."""
-    old, new = obj.get(), made.get()
+    """Hide the old object, and select the new one if the artist has waited for it."""
+    old, new, active = obj.get(), made.get(), bpy.context.object
+    waited = active in (old, None) and bpy.context.mode == "OBJECT"
     old.hide_render = True
     old.select_set(False)
     old.hide_set(True)
-    new.select_set(True)
-    bpy.context.view_layer.objects.active = new
+    if waited:
+        new.select_set(True)
+        bpy.context.view_layer.objects.active = new
 
 
 def _move_alike(new: bpy.types.Object, obj: bpy.types.Object) -> None:

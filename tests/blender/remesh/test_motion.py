@@ -85,6 +85,7 @@ def test_groups_materials_and_hidden_modifiers_stay():
     assert [one.name for one in obj.data.materials] == ["Skin"]
     assert [layer.name for layer in obj.data.uv_layers] == ["UVMap"]
     assert obj.data.name == name
+    assert [one.name for one in bpy.data.actions if one.name != "RigAction"] == ["Tail Keys"]
     assert not obj.data.validate()
 
 

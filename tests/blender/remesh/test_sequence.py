@@ -196,6 +196,34 @@ def test_in_the_background_it_is_one_step_of_undo(artist):
     np.testing.assert_array_equal(shown_on(bpy.data.objects["Block Remeshed"], [3])[3][0], made)
 
 
+def test_an_artist_who_edits_another_object_stays_there(artist):
+    """The new object became the active one, and the other was left in Edit Mode."""
+    block = carved()
+    artist.press("remesh", **PRESSED)
+    artist.until(lambda: artist.work.job.progress > 0.5)
+    bpy.ops.mesh.primitive_cone_add()
+    cone = bpy.context.object
+    bpy.ops.object.mode_set(mode="EDIT")
+    artist.finish()
+    assert bpy.context.object == cone
+    assert bpy.context.mode == "EDIT_MESH"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    made = bpy.data.objects["Block Remeshed"]
+    assert not made.select_get()
+    assert block.hide_get()
+    assert "4 frames with" in artist.said(made)[-1][1]
+
+
+def test_an_artist_who_has_gone_on_keeps_the_active_object(artist):
+    carved()
+    artist.press("remesh", **PRESSED)
+    artist.until(lambda: artist.work.job.progress > 0.5)
+    bpy.ops.mesh.primitive_cone_add()
+    artist.finish()
+    assert bpy.context.object.name == "Cone"
+    assert [one.name for one in bpy.context.selected_objects] == ["Cone"]
+
+
 def test_in_the_background_an_undo_ends_it(artist):
     carved()
     bpy.ops.ed.undo_push(message="Before")
