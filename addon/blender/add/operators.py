@@ -12,6 +12,7 @@ from ...core.settings.tables import SCATTER
 from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, AllOrNothing, StepsOperator
 from ..base.translation import translated, translated_report
+from ..scatter.local_views import into_local_views
 from ..scatter.object import rest_note
 from ..settings.declarations import with_arguments
 from ..surface.joined_surface import other_selected, put_on_selected
@@ -35,7 +36,7 @@ class _AddOperator(StepsOperator):
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
-        _into_local_views(obj, result.obj)
+        into_local_views(obj, result.obj)
         if context.object in (obj, None) and context.mode == "OBJECT":  # the artist waits for it
             for other in context.selected_objects:
                 other.select_set(False)
@@ -55,14 +56,6 @@ def outside_note(hidden: float) -> str:
         "Outside Only is on, because {percent} % of the surface is inside other parts",
         percent=round(100 * hidden),
     )
-
-
-def _into_local_views(seen: bpy.types.Object, new: bpy.types.Object) -> None:
-    """Show a new object in each local view that shows another object."""
-    areas = [area for window in bpy.context.window_manager.windows for area in window.screen.areas]
-    for space in (area.spaces.active for area in areas if area.type == "VIEW_3D"):
-        if space.local_view is not None and seen.visible_get(viewport=space):
-            new.local_view_set(space, True)
 
 
 @with_arguments(_ADDED_WITH)

@@ -10,6 +10,7 @@ from ...core.base.errors import ScatterError
 from ..base.step_operators import OPTIONS, AllOrNothing, Status
 from ..base.translation import english, translated, translated_count, translated_report
 from ..scatter.linked_data import read_only
+from ..scatter.local_views import into_local_views
 from ..scatter.object import is_scatter
 from ..surface.polls import free, ready
 from ..surface.scatters import scatters_of
@@ -114,7 +115,9 @@ class DAPPLE_OT_add_hair_guides(AllOrNothing, bpy.types.Operator):
         return obj
 
     def work(self, context: bpy.types.Context) -> None:
+        seen = context.object  # until the guides are the active object
         made = add_guides(self._chosen(context), self.count, self.length, self.points)
+        into_local_views(seen, made.obj)
         text = translated_report("'{name}': {count:,} guides", name=made.obj.name, count=made.count)
         self.report({"INFO"}, text)
         if made.shared:

@@ -10,6 +10,7 @@ import bpy
 from ..base.all_or_nothing import once_done
 from ..base.object_handles import ObjectHandle
 from ..scatter.linked_data import open_collections
+from ..scatter.local_views import into_local_views
 from .writing import replace_mesh
 
 _TRANSFORM = (
@@ -56,6 +57,7 @@ def _show_instead(obj: ObjectHandle, made: ObjectHandle) -> None:
     """Hide the old object, and select the new one if the artist has waited for it."""
     old, new, active = obj.get(), made.get(), bpy.context.object
     waited = active in (old, None) and bpy.context.mode == "OBJECT"
+    into_local_views(old, new)  # before the old one is hidden there, too
     old.hide_render = True
     old.select_set(False)
     old.hide_set(True)

@@ -14,6 +14,7 @@ from ..base.operator_jobs import Outcome
 from ..base.step_operators import OPTIONS, StepsOperator
 from ..base.translation import translated_report
 from ..freshness.concurrent_edits import check_points_kept, points_now
+from ..scatter.local_views import into_local_views
 from ..scatter.object import surface_of, tile_settings_of
 from ..surface.current_binding import current_binding
 from ..surface.polls import ready
@@ -43,6 +44,7 @@ class DAPPLE_OT_make_tiles(StepsOperator, bpy.types.Operator):
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
         made, tiles = result
+        into_local_views(obj, made)
         count = len(np.unique(tiles.cells))
         text = translated_report("'{name}': {count:,} tiles", name=made.name, count=count)
         if tiles.lost:
