@@ -10,7 +10,7 @@ from ...core.settings.density_table import PAINTED, Painted
 from ..base.recent_objects import activate, latest_of
 from ..base.translation import english
 from ..scatter.linked_data import read_only
-from ..scatter.object import is_scatter, surface_of
+from ..scatter.object import TO_MESH, is_scatter, kind_of, surface_of
 from ..surface.joined_parts import parts_of
 
 
@@ -125,7 +125,8 @@ def _check_writable(surface: bpy.types.Object) -> None:
     name, mesh = surface.name, surface.data
     reason = read_only(surface, english)
     if surface.type != "MESH":
-        reason = f"Surface '{name}' is a {surface.type.lower()}: only meshes have vertex groups"
+        kind = kind_of(surface)
+        reason = f"Surface '{name}' is a {kind}: only meshes have vertex groups. {TO_MESH}"
     elif mesh.library is not None or mesh.override_library is not None:
         reason = (
             reason or f"The mesh of surface '{name}' is linked from another file: make it local"

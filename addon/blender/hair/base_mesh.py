@@ -23,6 +23,7 @@ from ..base.mesh_arrays import (
 )
 from ..base.translation import english
 from ..scatter.linked_data import read_only
+from ..scatter.object import TO_MESH, kind_of
 from ..surface.joined_parts import is_joined
 
 _SAME_UV = 1e-6  # texture coordinates that are nearer than this are the same
@@ -47,7 +48,10 @@ def check_can_have_hair(surface: bpy.types.Object) -> None:
             "scatter over a single object"
         )
     if surface.type != "MESH":
-        raise ScatterError(f"Surface '{name}' is not a mesh, to which Blender attaches hair")
+        raise ScatterError(
+            f"Surface '{name}' is a {kind_of(surface)}, and Blender attaches hair to meshes. "
+            f"{TO_MESH}"
+        )
     if reason := read_only(surface, english):
         raise ScatterError(f"The surface cannot be changed for hair: {reason}")
     if surface.mode != "OBJECT":

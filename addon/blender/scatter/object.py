@@ -29,6 +29,8 @@ _DATA_BLOCKS = {one.name: one.kind for one in DENSITY if one.kind in DATA_BLOCKS
 _QUICK = 1000.0  # milliseconds
 _COUNTED = ("count", "spacing", "evaluations", "milliseconds", "converged", "measured")
 _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+_KINDS = {"SURFACE": "NURBS surface", "FONT": "text", "META": "metaball"}  # as menus call them
+TO_MESH = "Object > Convert > Mesh makes a mesh of it"  # what to do where a mesh is needed
 
 
 def is_scatter(obj: bpy.types.Object | None) -> bool:
@@ -46,6 +48,11 @@ def is_surface(obj: bpy.types.Object | None) -> bool:
     return obj is not None and obj.type in _SURFACE_TYPES and not is_scatter(obj)
 
 
+def kind_of(obj: bpy.types.Object) -> str:
+    """The type of an object, for errors."""
+    return _KINDS.get(obj.type, obj.type.lower())
+
+
 def is_fluid(obj: bpy.types.Object) -> bool:
     """Whether the faces of a surface change whenever it moves, and in renders."""
     return obj.type == "META"
@@ -57,7 +64,7 @@ def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
     if surface is None:
         raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
     if not is_surface(surface):
-        kind = "scatter" if is_scatter(surface) else surface.type.lower()
+        kind = "scatter" if is_scatter(surface) else kind_of(surface)
         raise ScatterError(
             f"Surface '{surface.name}' of '{obj.name}' is a {kind}, not a mesh, curve, text "
             "or metaball: choose another object"

@@ -16,7 +16,7 @@ from ..base.object_handles import ObjectHandle
 from ..base.quiet import quiet
 from ..scatter.linked_data import open_collections, read_only
 from ..scatter.modifier import scatter_modifier
-from ..scatter.object import is_scatter, is_surface, surface_of
+from ..scatter.object import is_scatter, is_surface, kind_of, surface_of
 from .joined_parts import (
     SUFFIX,
     Piece,
@@ -125,7 +125,7 @@ def _pieces(
     other = next((obj for obj in objects if not is_member(obj)), None)
     if other is not None:
         raise ScatterError(
-            f"'{other.name}' is a {other.type.lower()}, which cannot be one surface with other "
+            f"'{other.name}' is a {kind_of(other)}, which cannot be one surface with other "
             "objects: scatter over it alone"
         )
     pieces = pieces_of_collection(collection) if collection else pieces_in(objects)

@@ -327,6 +327,13 @@ def colored(obj, surface):
     obj.dapple.density.attribute = obj.dapple.density.blocked_areas = "Color"
 
 
+def written(obj, surface):
+    bpy.ops.object.text_add()
+    bpy.context.object.data.extrude = 0.1
+    obj.dapple.surface = bpy.context.object
+    scenes.activate(obj)
+
+
 TROUBLES = [
     (shared, "shares its mesh with other objects: make it single-user first"),
     (hidden, "Surface 'Sphere' is hidden: show it first"),
@@ -335,6 +342,7 @@ TROUBLES = [
     (edited, "Surface 'Sphere' is not in Object Mode: leave its mode first"),
     (lost, "has no surface: choose a mesh object"),
     (curved, "Surface 'Curve' is a curve: only meshes have vertex groups"),
+    (written, "Surface 'Text' is a text: .*. Object > Convert > Mesh makes a mesh of it"),
     (colored, "uses 'Color', which is not a vertex group of surface 'Sphere'"),
 ]
 

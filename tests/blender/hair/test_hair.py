@@ -273,7 +273,8 @@ def test_surfaces_of_several_objects_and_of_other_types_are_refused():
     refused(bpy.context.object, "is made of several objects")
     bpy.ops.object.text_add()
     bpy.context.object.data.extrude = 0.2
-    refused(scenes.scattered(bpy.context.object, 20), "is not a mesh")
+    message = "'Text' is a text, and Blender attaches hair to meshes. Object > Convert > Mesh makes"
+    refused(scenes.scattered(bpy.context.object, 20), message)
 
 
 def test_one_undo_removes_the_guides():
