@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.base.errors import ScatterError
 from ...core.remesh import OldMesh
 from ...core.surface.arrays import Floats, Ints
 from ...core.surface.mesh_snapshot import RawValues, placed_values
@@ -15,6 +16,7 @@ from ..base.mesh_arrays import (
     to_world,
     triangle_corners,
 )
+from ..surface.mesh import evaluated_mesh
 from ..surface.values import own_group_weights, raw_values
 from .density import Chosen, Images
 
@@ -28,11 +30,17 @@ def read_old(obj: bpy.types.Object, chosen: Chosen) -> OldMesh:
     """The object's own mesh, without modifiers, in world space.
 
     Raises:
-        ScatterError: the chosen density is not there, or it cannot be one.
+        ScatterError: only modifiers make faces, the chosen density is not there, or it cannot be
+            one.
     """
     mesh, name = obj.data, chosen.values
     corners, vertices = triangle_corners(mesh), corner_vertices(mesh)
     has_faces = len(vertices) > 0
+    if not has_faces and _has_faces_shown(obj):
+        raise ScatterError(
+            f"'{obj.name}' has no faces of its own, its modifiers make them: apply them first, by "
+            "Object > Convert > Mesh"
+        )
     return OldMesh(
         name=obj.name,
         vertices=to_world(obj, read_points(mesh)),
@@ -41,6 +49,11 @@ def read_old(obj: bpy.types.Object, chosen: Chosen) -> OldMesh:
         density=placed_density(obj.name, mesh, _own_values(obj, name)) if name else None,
         picture=Images(chosen).on(obj, mesh, corners) if has_faces else None,
     )
+
+
+def _has_faces_shown(obj: bpy.types.Object) -> bool:
+    with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
+        return len(mesh.polygons) > 0
 
 
 def _own_values(obj: bpy.types.Object, name: str) -> RawValues:

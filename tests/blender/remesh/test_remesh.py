@@ -304,6 +304,24 @@ def test_a_mesh_without_faces_is_left_alone():
     assert len(obj.data.vertices) == 3
 
 
+def test_faces_that_only_modifiers_make_are_told_from_none():
+    """As those of geometry nodes, and of a baked sequence: the artist sees some."""
+    obj = cube()
+    obj.data.clear_geometry()
+    obj.data.vertices.add(2)
+    obj.data.vertices[1].co.x = 1.0
+    obj.data.edges.add(1)
+    obj.data.edges[0].vertices = (0, 1)
+    screw = obj.modifiers.new("Screw", "SCREW")
+    screw.screw_offset = 1.0
+    message = "'Cube' has no faces of its own, its modifiers make them: apply them first"
+    with pytest.raises(RuntimeError, match=message):
+        bpy.ops.dapple.remesh(count=50)
+    assert len(obj.data.vertices) == 2
+    bpy.ops.object.convert(target="MESH")
+    assert len(remeshed(obj, count=200).vertices) >= 200
+
+
 def test_needs_object_mode():
     cube()
     bpy.ops.object.mode_set(mode="EDIT")
