@@ -92,6 +92,7 @@ class NewMesh:
     ground: Ground
     made: Any  # what the package's remesh() has returned
     max_distance: float  # that was asked for; 0: none
+    left_out: int  # vertices of the old mesh that no face has
 
     @property
     def report(self) -> Any:
@@ -210,6 +211,7 @@ def with_sources(ground: Ground, old: OldMesh, made: Any, max_distance: float) -
         ground=ground,
         made=made,
         max_distance=max_distance,
+        left_out=len(old.vertices) - len(np.unique(old.faces)),
     )
 
 

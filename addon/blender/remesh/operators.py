@@ -18,7 +18,7 @@ from ..base.object_handles import ObjectHandle
 from ..base.operator_jobs import Messages, Outcome
 from ..base.step_operators import OPTIONS, StepsOperator
 from ..base.times import time_of
-from ..base.translation import translated, translated_report
+from ..base.translation import translated, translated_count, translated_report
 from ..scatter.linked_data import read_only
 from ..scatter.object import is_scatter, is_surface
 from ..settings.declarations import with_arguments
@@ -265,6 +265,13 @@ def _messages(name: str, new: NewMesh) -> Messages:
         angle=report.smallest_angle,
     )
     found = [("INFO", text), *_more_vertices(new)]
+    if new.left_out:
+        left_out = translated_count(
+            new.left_out,
+            "{count} vertex without faces was left out",
+            "{count:,} vertices without faces were left out",
+        )
+        found.append(("WARNING", left_out))
     if report.dropped_lines:
         given_up = translated_report(
             "{count:,} creases or seams were lost: more vertices may keep them",

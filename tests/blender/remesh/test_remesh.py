@@ -304,6 +304,20 @@ def test_a_mesh_without_faces_is_left_alone():
     assert len(obj.data.vertices) == 3
 
 
+def test_loose_edges_that_are_lost_are_told(capfd):
+    mesh = cube().data
+    mesh.vertices.add(3)
+    mesh.vertices[8].co.x = 3.0
+    mesh.edges.add(1)
+    mesh.edges[-1].vertices = (8, 9)
+    mesh.update()
+    mesh = remeshed(bpy.context.object, count=100)
+    assert len(mesh.vertices) == 100
+    assert "3 vertices without faces were left out" in capfd.readouterr().out
+    remeshed(bpy.context.object, count=100)
+    assert "left out" not in capfd.readouterr().out
+
+
 def test_faces_that_only_modifiers_make_are_told_from_none():
     """As those of geometry nodes, and of a baked sequence: the artist sees some."""
     obj = cube()
