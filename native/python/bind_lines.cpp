@@ -69,7 +69,7 @@ Exactly count samples on creases, borders and marked edges, as many for each len
 
 Lines go from corner to corner: where they end, meet or turn by more than 45 degrees. Each gets samples in proportion to
 the integral of the density along it (method of Sainte-Lague), and has them at equal shares of that integral. Creases that
-are noise of a scan are left out as by remesh(). Samples keep their faces and barycentric coordinates while the surface
+are noise of a scan are left out as by remesh(); on meshes of fewer than 200 faces all count. Samples keep their faces and barycentric coordinates while the surface
 deforms.
 
 Args:

@@ -19,6 +19,7 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 1024;  // half-edges
+constexpr double kRounding = 1e-9;    // of the cosine of a turn: octagons turn by 45 degrees
 
 /// Of the corners along a line that turns over several edges, only the sharpest within the scale
 /// stays.
@@ -193,7 +194,7 @@ std::size_t FeatureLines::drop_chains(const Surface& surface, const std::vector<
 
 void FeatureLines::build(const OrderedSurface& mesh, const LineRules& rules) {
   const LineNetwork network(line_edges(mesh, kinds_));
-  const double limit = std::cos(rules.corner_angle * std::numbers::pi / 180.0);
+  const double limit = std::cos(rules.corner_angle * std::numbers::pi / 180.0) - kRounding;
   std::vector<bool> corner(mesh.vertex_count(), false);
   std::vector<std::pair<double, std::int32_t>> turns;
   for (const std::int32_t v : network.vertices()) {

@@ -18,8 +18,12 @@ namespace dapple {
 namespace {
 
 constexpr double kVertexPart = 0.5;  // vertices of a mesh, by its faces
-constexpr double kFound = 0.5;       // of the progress, when the lines are found
-constexpr double kJitter = 0.5;      // of the distance: natural samples move by up to half of it
+// Meshes of few faces are no scans. Their lines have no noise, and may be shorter than the spacing
+// that vertices have on average: a beam is two triangles on each side.
+constexpr std::size_t kFewFaces = 200;
+constexpr double kFewScale = 1e-3;  // of the scale of rules, on such meshes
+constexpr double kFound = 0.5;      // of the progress, when the lines are found
+constexpr double kJitter = 0.5;     // of the distance: natural samples move by up to half of it
 
 /// A chain measured by the density, which is linear along each edge.
 class LineMeasure {
@@ -149,8 +153,9 @@ class LineSampler {
  private:
   static LineRules rules(const Surface& surface, const LineOptions& options) {
     const double vertices = kVertexPart * static_cast<double>(surface.face_count());
+    const double share = surface.face_count() < kFewFaces ? kFewScale : 1.0;
     return {.feature_angle = options.feature_angle,
-            .scale = surface.spacing(static_cast<std::size_t>(std::max(vertices, 1.0))),
+            .scale = share * surface.spacing(static_cast<std::size_t>(std::max(vertices, 1.0))),
             .marked = options.edges,
             .borders = options.borders};
   }

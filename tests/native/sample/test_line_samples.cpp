@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <dapple/errors.hpp>
 #include <dapple/line_samples.hpp>
+#include <numbers>
 
 #include "shapes.hpp"
 #include "throws.hpp"
@@ -118,6 +121,39 @@ TEST(SampleLines, DivideTheNumberByLength) {
   for (std::size_t k = 0; k < 4; ++k)
     EXPECT_EQ(std::ranges::count(found.lines, static_cast<std::int32_t>(k)),
               found.lengths[k] > 2.0 ? 30 : 10);
+}
+
+/// Corners and lines of a shape.
+std::array<std::size_t, 2> corners_and_lines(const Shape& shape) {
+  const LineSamples found = sample_lines(shape.surface(), 100, {.corners = true});
+  const auto corners = std::ranges::count(found.lines, -1);
+  return {static_cast<std::size_t>(corners), found.lengths.size()};
+}
+
+/// A flat polygon with its corners on a circle.
+Shape polygon(int corners) {
+  Shape shape;
+  shape.name = "polygon";
+  for (int k = 0; k < corners; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / corners;
+    shape.vertices.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+    if (k > 1) shape.faces.push_back({0, k - 1, k});
+  }
+  return shape;
+}
+
+TEST(SampleLines, FindEveryLineOfABodyOfFewFaces) {
+  using Found = std::array<std::size_t, 2>;
+  const auto scaled = [](const Shape& shape, double x, double y, double z) {
+    return mapped(shape, [=](const Vec3& p) { return Vec3(x * p[0], y * p[1], z * p[2]); });
+  };
+  EXPECT_EQ(corners_and_lines(grid(1)), (Found{4, 4}));
+  EXPECT_EQ(corners_and_lines(scaled(grid(1), 100.0, 1.0, 1.0)), (Found{4, 4}));
+  for (const auto& [x, y, z] : {std::array{1.0, 1.0, 1.0}, std::array{10.0, 1.0, 1.0},
+                                std::array{100.0, 1.0, 1.0}, std::array{10.0, 10.0, 0.1}})
+    EXPECT_EQ(corners_and_lines(scaled(box(1), x, y, z)), (Found{8, 12})) << x << ' ' << z;
+  EXPECT_EQ(corners_and_lines(polygon(6)), (Found{6, 6}));
+  EXPECT_EQ(corners_and_lines(polygon(8)), (Found{0, 1}));  // each turn is of 45 degrees, not more
 }
 
 TEST(SampleLines, SayWhatIsWrong) {
