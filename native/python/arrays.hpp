@@ -51,8 +51,8 @@ inline py::array copied(const char* name, const py::object& value) {
 inline void check_kind(const char* name, const py::array& array, const std::string& kinds) {
   if (array.size() > 0 && kinds.find(array.dtype().kind()) == std::string::npos)
     throw ArgumentError(std::string(name) + " has the dtype " +
-                        py::str(array.dtype()).cast<std::string>() + ": numbers are needed" +
-                        (kinds == "iu" ? ", integers" : ""));
+                        py::str(array.dtype()).cast<std::string>() +
+                        (kinds == "iu" ? ": integers are needed" : ": numbers are needed"));
 }
 
 /// A copy of the argument, of one of the dtype kinds, with the shape (rows) or (rows, columns).

@@ -280,15 +280,16 @@ Args:
     {options}
     classes: what each class is to be, as for sample_classes(); its count is the number of samples wanted of it, unless
         free_counts. Rare classes are relaxed first, the others around them. None: samples are of one class.
-    count: number of samples wanted of one class: the difference comes and goes where something has changed. None: there
-        become as many as have the capacity of the samples around.
+    count: number of samples wanted of one class: the difference comes and goes where something has changed. None:
+        chosen so that new samples match their neighbors' capacity.
     locked: (k,) indices of samples that stay where they are, or None; new ones may come between them.
     context: a Context for progress and cancel.
 
 Returns:
     Samples: those that stay first, in their order and with their ids; new ids follow the largest. Their report measures
-    those that were free to move and those beside them, of each class if there are several; its count and spacing are of
-    all.
+    those that were free to move and those beside them; its count and spacing are of all. With several classes it measures
+    each class by itself, and not all together: alpha, energy and the like of the whole are 0, as are those of a class that
+    was left alone.
 
 Raises:
     ValueError: samples that are not of the surface or of a class that is not listed, an index or an option out of range,

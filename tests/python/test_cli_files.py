@@ -238,7 +238,7 @@ def test_what_is_no_array_in_an_npz_is_left_out(tmp_path, mesh, verb):
         archive.writestr("positions.npy", b"no array")
     call = {"sample": [tmp_path / "out.ply", "-n", 10], "analyze": []}[verb]
     name = {"sample": "vertices", "analyze": "positions"}[verb]
-    assert f"{path}: has no array '{name}', only faces" in refused(verb, path, *call)
+    assert f"{path}: has no array '{name}', only 'faces'" in refused(verb, path, *call)
 
 
 @pytest.mark.parametrize("header", [b"{'descr': ''", b"{'descr': (((", b"\0", b"{'shape': (1.5,)"])

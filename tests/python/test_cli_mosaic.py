@@ -145,8 +145,8 @@ def test_reports(tmp_path, torus, surface):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["tiles.ply"], 2, "give either --count or --points"),
-        (["tiles.ply", "-n", 5, "--points", "torus.ply"], 2, "give either --count or --points"),
+        (["tiles.ply"], 2, "Missing option '-n' / '--count', '--spacing' or '--points'."),
+        (["tiles.ply", "-n", 5, "--points", "torus.ply"], 2, "give only one of --count"),
         (["tiles.txt", "-n", 5], 1, "unknown format '.txt'; tiles are written as .ply, .obj"),
         (["tiles.ply", "-n", 5, "--grout", -1], 2, "'--grout'"),
         (["torus.ply", "-n", 5], 1, "is read as an input"),

@@ -125,7 +125,7 @@ def bad_mesh(folder: Path, name: str) -> Path:
         ("words", "vertices"),
         ("number", r"faces \(\) are not .* \(m, 3\)"),
         ("motion", r"vertices.*\(2, 9, 3\)"),
-        ("names", "no array 'vertices', only corners, faces"),
+        ("names", "no array 'vertices', only 'corners', 'faces'"),
     ],
 )
 def test_refuses_meshes(tmp_path, name, message):
@@ -177,10 +177,10 @@ def test_refuses_densities(tmp_path, archive, density, message):
     [
         ("points.stl", "STL holds triangles, no points; points are written as .ply, .csv"),
         ("points.txt", "unknown format '.txt'"),
-        ("points", "unknown format ''"),
+        ("points", "points: has no extension; points are written as .ply, .csv"),
         ("torus.ply", "is read as an input"),
         ("absent/points.ply", "the folder .*absent does not exist"),
-        ("folder.ply", "is a folder"),
+        ("folder.ply", "is a folder that exists already"),
     ],
 )
 def test_refuses_outputs(tmp_path, torus, out, message):
@@ -206,6 +206,7 @@ def test_refuses_one_file_for_two_outputs(tmp_path, torus):
         (["sample", "{mesh}", "out.ply", "-n", "ten"], "'ten' is not a valid integer"),
         (["sample", "{mesh}", "out.ply", "-n", "10", "--start", "grid"], "'grid' is not one of"),
         (["sample", "{mesh}", "out.ply", "-n", "10", "--seed", "-1"], "-1 is not in the range"),
+        (["sample", "{mesh}", "out.ply", "-n", "10", "--tolerance", "nan"], "nan is not a number"),
         (["classes", "{mesh}", "out.ply"], "Missing option '--class'"),
         (["classes", "{mesh}", "out.ply", "--class", "9:size=1"], "'size=1': radius=R"),
         (["classes", "{mesh}", "out.ply", "--class", "9:radius=big"], "'big' is not a valid float"),
@@ -226,8 +227,8 @@ def test_refuses_usage(tmp_path, monkeypatch, torus, arguments, message):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--tolerance", "nan"], "tolerance is nan"),
         (["--capacity-weight", "inf"], "capacity_weight is inf"),
+        (["--tolerance", "inf"], "tolerance is inf"),
     ],
 )
 def test_refuses_what_the_library_refuses(tmp_path, torus, options, message):

@@ -94,6 +94,8 @@ def test_relaxes_classes_as_the_library_does(files, tmp_path):
     classes = [dapple.SampleClass(20, radius=0.1), dapple.SampleClass(200)]
     expect_same(out, dapple.relax(after, old, where, classes=classes))
     assert np.bincount(points.read_points(out).classes).tolist() == [20, 200]
+    like = done("relax", mesh, source, out, "--changed", "0", "--class", "30", "--class", 270)
+    assert "faces changed\n  class 0: 30 points, " in like.stdout  # the whole is not measured
     assert "pass classes, one for each class of samples" in refused(*arguments)
 
 

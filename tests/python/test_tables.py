@@ -75,6 +75,6 @@ def test_wrong_arguments_are_named(tmp_path, frames):
         tables.write(tmp_path / "points.ply", frames)
     with pytest.raises(ValueError, match=r"times has the shape \(2,\): \(3,\) is needed"):
         tables.write(tmp_path / "points.csv", frames, times=[1, 2])
-    with pytest.raises(ValueError, match="prototype 1 stands somewhere, but has no name"):
+    with pytest.raises(ValueError, match="names has 1 of 2 entries"):
         tables.write(tmp_path / "points.csv", frames, names=["Fern"])
     assert list(tmp_path.iterdir()) == []

@@ -240,7 +240,7 @@ def test_files_of_other_programs_are_read(tmp_path):
         ({"name": "my points"}, "name is 'my points': letters"),
         (
             {"prototypes": [Mesh(np.eye(3), [[0, 1, 2]])]},
-            "prototype 2 stands somewhere, but 1 are",
+            "prototypes has 1 of 3 entries",
         ),
     ],
 )

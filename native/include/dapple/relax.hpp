@@ -46,9 +46,10 @@ void check_options(const RelaxOptions& options);
 /// alone.
 ///
 /// Samples that stay come first, in their order and with their ids; new ids follow the largest. The
-/// report measures the samples that were free to move and their neighbors, class by class if there
-/// are several; its count and spacing are those of all samples, its slides those of the free ones
-/// that stay.
+/// report measures the samples that were free to move and their neighbors; its count and spacing
+/// are those of all samples, its slides those of the free ones that stay. With several classes it
+/// measures each class by itself and not all together: the evenness, bond order and energy of the
+/// whole are 0, and so are those of a class that was left alone.
 /// \param samples of one class or of those in the options, on a surface of the same faces; where
 ///                vertices have moved, the samples move with their faces
 /// \param changed the caller's indices of the changed faces, see changed_faces(). If there are

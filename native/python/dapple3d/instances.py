@@ -233,7 +233,9 @@ class Scatter:
                 raise ValueError(f"frames[{k}] has {found}, but frames[0] {names[0]}")
         given = len(self.prototypes)
         if 0 < given < self.needed:
-            raise ValueError(f"prototype {self.needed - 1} stands somewhere, but {given} are given")
+            raise ValueError(
+                f"prototypes has {given} of {self.needed} entries: one for each class is needed"
+            )
 
     @property
     def needed(self) -> int:

@@ -73,7 +73,9 @@ def write(
     if codes is not None and codes.shape != (len(frames),):
         raise ValueError(f"times has the shape {codes.shape}: ({len(frames)},) is needed")
     if 0 < len(names) < scatter.needed:
-        raise ValueError(f"prototype {scatter.needed - 1} stands somewhere, but has no name")
+        raise ValueError(
+            f"names has {len(names)} of {scatter.needed} entries: one for each prototype is needed"
+        )
     if suffix == ".npz":
         arrays = _stacked(frames) | ({} if codes is None else {"times": codes})
         with replacing(target) as file:

@@ -257,17 +257,27 @@ void ClassRelaxation::relax_together(std::span<const std::size_t> group, Context
         {&regions[k], domain, domain->density_unit() / participants.relaxed[k].weight});
   }
   const Minimum found = minimize_free(free_classes, participants, options_.optimizer, context);
-  store(group, regions, found);
+  store(group, free_classes, found);
 }
 
-void ClassRelaxation::store(std::span<const std::size_t> group, const std::vector<Region>& regions,
-                            const Minimum& found) {
-  std::size_t first = 0;
+void ClassRelaxation::store(std::span<const std::size_t> group,
+                            std::span<const FreeClass> free_classes, const Minimum& found) {
+  const std::vector<Part>& parts = found.state.parts;
+  std::size_t first = 0, part = parts.size() > 1 ? 1 : 0;  // that of the union comes first
   for (std::size_t k = 0; k < group.size(); ++k) {
     RelaxedClass& one = classes_[group[k]];
+    const Region& region = *free_classes[k].region;
+    const std::vector<bool> free = region.free();
     const Sites before = one.sites;
-    regions[k].put_free(found.state.sites, first, one.sites);
-    first += regions[k].members.size();
+    region.put_free(found.state.sites, first, one.sites);
+    if (std::ranges::find(free, true) != free.end()) {  // others have no part
+      const std::span<const Vec3> normals(found.state.normals);
+      measure_members({parts[part].energy.diagram, normals.subspan(first, free.size()), free,
+                       free_classes[k].share, options_.optimizer.capacity_weight},
+                      one.report);
+      ++part;
+    }
+    first += free.size();
     note_moves(one, before);
   }
   RelaxedClass& last = classes_[group.back()];

@@ -53,7 +53,7 @@ class ClassRelaxation {
   void begin(RelaxedClass& one, std::size_t count, Context* context) const;
   void relax(std::size_t c, Context* context);
   void relax_together(std::span<const std::size_t> group, Context* context);
-  void store(std::span<const std::size_t> group, const std::vector<Region>& regions,
+  void store(std::span<const std::size_t> group, std::span<const FreeClass> free_classes,
              const Minimum& found);
   void note_moves(const RelaxedClass& one, const Sites& before);
 

@@ -48,6 +48,9 @@ struct Region {
   [[nodiscard]] std::vector<bool> open() const {
     return which([](const Member& member) { return member.open; });
   }
+  [[nodiscard]] std::vector<bool> measured() const {
+    return which([](const Member& member) { return member.measured; });
+  }
   [[nodiscard]] SharedCells shared(const RestrictedVoronoi& diagram) const {
     return {diagram.cells, open(), fixed()};
   }

@@ -183,6 +183,12 @@ Samples assemble(const Surface& surface, const Samples& before, const Sites& car
   result.report = report_of(classes);
   result.report.count = result.size();
   result.report.spacing = surface.spacing(result.size());
+  for (std::size_t c = 0; c < result.report.classes.size(); ++c) {
+    const std::size_t count = static_cast<std::size_t>(
+        std::count(classes[c].alive.begin(), classes[c].alive.end(), true));
+    result.report.classes[c].count = count;
+    result.report.classes[c].spacing = surface.spacing(count);
+  }
   measure_slide(result.report, now, then);
   return result;
 }

@@ -71,6 +71,27 @@ void check_wanted(std::span<const Member> members, const RestrictedVoronoi& diag
 
 }  // namespace
 
+void measure_members(const MeasuredCells& cells, Quality& quality) {
+  RestrictedVoronoi measured;
+  std::vector<Vec3> normals;
+  double energy = 0.0;
+  for (std::size_t k = 0; k < cells.chosen.size(); ++k) {
+    if (!cells.chosen[k]) continue;
+    const Moments& cell = cells.diagram.cells[k];
+    measured.cells.push_back(cell);
+    measured.rows.push_back(cells.diagram.rows[k]);
+    normals.push_back(cells.normals[k]);
+    energy += (cell.second / cells.share +
+               cells.capacity_weight * cell.capacity * (cell.capacity / cells.share)) /
+              cells.share;
+  }
+  if (normals.empty()) return;  // the other faces are far away
+  measured.boundaries = cells.diagram.boundaries;
+  quality.evenness = measure_evenness(measured);
+  quality.bond_order = bond_order(measured, normals);
+  quality.energy = energy / static_cast<double>(normals.size()) - cells.capacity_weight;
+}
+
 Relaxation::Relaxation(const Surface& surface, Sites sites, std::vector<bool> locked,
                        const RelaxOptions& options, const Participants* participants)
     : surface_(surface),
@@ -495,28 +516,13 @@ void Relaxation::measure_all(const Region& region, const Minimum& found) {
 /// Note the result of the last round; its evaluations and iterations are added to the previous
 /// ones.
 void Relaxation::note(const Region& region, const Minimum& found) {
-  const RestrictedVoronoi& all = own_energy(found).diagram;
-  RestrictedVoronoi measured;
-  std::vector<Vec3> normals;
-  double energy = 0.0;
-  for (std::size_t k = 0; k < region.members.size(); ++k) {
-    if (!region.members[k].measured) continue;
-    const Moments& cell = all.cells[k];
-    measured.cells.push_back(cell);
-    measured.rows.push_back(all.rows[k]);
-    normals.push_back(found.state.normals[k]);
-    energy += (cell.second / share_ +
-               options_.optimizer.capacity_weight * cell.capacity * (cell.capacity / share_)) /
-              share_;
-  }
-  measured.boundaries = all.boundaries;
   if (is_everything()) {
     measure_all(region, found);
-  } else if (!normals.empty()) {  // no cell is measured if the other faces are far away
-    report_.evenness = measure_evenness(measured);
-    report_.bond_order = bond_order(measured, normals);
-    report_.energy =
-        energy / static_cast<double>(normals.size()) - options_.optimizer.capacity_weight;
+  } else {
+    const std::span<const Vec3> normals(found.state.normals);
+    measure_members({own_energy(found).diagram, normals.first(region.members.size()),
+                     region.measured(), share_, options_.optimizer.capacity_weight},
+                    report_);
   }
   report_.evaluations += found.evaluations;
   report_.iterations += found.iterations;

@@ -14,6 +14,18 @@ namespace dapple {
 struct SharedCells;
 struct Thinned;
 
+/// Cells of sites on a part of a surface, some of which are to be measured.
+struct MeasuredCells {
+  const RestrictedVoronoi& diagram;
+  std::span<const Vec3> normals;  ///< per site
+  std::vector<bool> chosen;       ///< per site
+  double share;                   ///< wanted capacity per site
+  double capacity_weight;
+};
+
+/// Measure the evenness, bond order and energy of the chosen cells, if there are any.
+void measure_members(const MeasuredCells& cells, Quality& quality);
+
 /// Optimizes the sites around a change, on a part of the surface that grows until the sites at its
 /// border are even.
 class Relaxation {

@@ -86,6 +86,31 @@ TEST(RelaxedClasses, HaveTheRequestedCounts) {
   EXPECT_EQ(found.report.classes.size(), 3u);
 }
 
+TEST(RelaxedClasses, AreReportedOneByOne) {
+  const Surface surface = grid(20).surface();
+  Indices changed;
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface.face_count()); ++f)
+    if (surface.point(f, Vec3::Constant(1.0 / 3.0)).norm() < 0.4) changed.push_back(f);
+  // Classes of like numbers are relaxed together in the end, others one after another.
+  for (const std::size_t second : {400u, 60u}) {
+    const std::vector<SampleClass> classes = {{.count = 600}, {.count = second}};
+    const Samples samples = sample_classes(surface, classes);
+    const Samples found = relax(surface, samples, changed, relaxing(classes));
+    ASSERT_EQ(found.report.classes.size(), 2u);
+    EXPECT_EQ(still(samples, found, 0) < 600u, second == 400u);  // among 60 others all is even
+    for (std::size_t c = 0; c < 2; ++c) {
+      const Quality& quality = found.report.classes[c];
+      EXPECT_EQ(quality.count, classes[c].count);
+      EXPECT_EQ(quality.spacing, surface.spacing(classes[c].count));
+      if (still(samples, found, static_cast<std::int32_t>(c)) == classes[c].count) continue;
+      EXPECT_GT(quality.evenness.alpha_min, 0.3) << second << ", class " << c;
+      EXPECT_LT(quality.evenness.alpha_min, 0.9) << second << ", class " << c;
+      EXPECT_LT(quality.evenness.capacity_variation, 0.2) << second << ", class " << c;
+      EXPECT_GT(quality.bond_order, 0.3) << second << ", class " << c;
+    }
+  }
+}
+
 TEST(RelaxedClasses, StayWhereNothingHasChanged) {
   const Relaxed r;
   const Samples found = relax(r.after, r.samples, r.changed, relaxing(r.classes, true));

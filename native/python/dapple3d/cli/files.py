@@ -39,7 +39,7 @@ def check_outputs(inputs: Iterable[Path | None], outputs: Iterable[Path | None])
         if not path.parent.is_dir():
             raise click.ClickException(f"{path}: the folder {path.parent} does not exist")
         if path.is_dir():
-            raise click.ClickException(f"{path}: is a folder")
+            raise click.ClickException(f"{path}: is a folder that exists already")
         written.append(path.resolve())
 
 
@@ -73,6 +73,16 @@ def load_npy(path: Path) -> NDArray:
     """
     with _reading(path, "npy"):
         return reading.read_npy(path)
+
+
+def unknown_format(path: Path) -> str:
+    """What is wrong with the extension of a file."""
+    return f"unknown format '{path.suffix.lower()}'" if path.suffix else "has no extension"
+
+
+def quoted(names: Iterable[str]) -> str:
+    """Names in quotes."""
+    return ", ".join(f"'{name}'" for name in names) or "none"
 
 
 def listed(formats: Iterable[str]) -> str:

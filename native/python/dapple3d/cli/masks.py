@@ -17,6 +17,7 @@ from dapple3d import density
 from dapple3d.cli import points
 from dapple3d.cli.files import about, load_npz
 from dapple3d.cli.meshes import read_mesh
+from dapple3d.cli.ranges import Number, Whole
 
 SECTION = "Masks"
 INTRODUCTION = (
@@ -26,34 +27,6 @@ INTRODUCTION = (
 )
 _SLACK = 1e-4  # degrees: error of angles from coordinates in single precision
 _MOST = 1_000_000  # points that faces are cut for
-
-
-class Number(click.FloatRange):
-    """A number in a range; never NaN, which compares as in any range. Only MIN and MAX may be
-    infinite: no limit.
-    """
-
-    name = "number"
-
-    def __init__(
-        self,
-        low: float | None = None,
-        high: float | None = None,
-        *,
-        finite: bool = False,
-        open_below: bool = False,
-    ) -> None:
-        super().__init__(low, high, min_open=open_below)
-        self._finite = finite
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """The number."""
-        found: float = super().convert(value, param, ctx)
-        if math.isnan(found) or (self._finite and math.isinf(found)):
-            self.fail(f"{value} is not a {'finite ' if self._finite else ''}number", param, ctx)
-        return found
 
 
 @dataclass(frozen=True)
@@ -134,13 +107,13 @@ ROWS = (
             ),
             MaskOption(
                 ["--noise-detail"],
-                type=click.IntRange(0, 8),
+                type=Whole(0, 8),
                 help="How many finer noises are added, each of half the size and half the "
                 "influence.  [default: 2]",
             ),
             MaskOption(
                 ["--noise-seed"],
-                type=click.IntRange(0, 2**31 - 1),
+                type=Whole(0, 2**31 - 1),
                 help="Each seed gives other patches.  [default: 0]",
             ),
         ),

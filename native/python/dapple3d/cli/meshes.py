@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import dapple3d as dapple
 from dapple3d._meshes import SUFFIXES, check_suffix
 from dapple3d.cli import ply
-from dapple3d.cli.files import Arrays, about, load_npy, load_npz
+from dapple3d.cli.files import Arrays, about, load_npy, load_npz, quoted
 
 Place = Literal["vertices", "faces", "corners"]
 
@@ -89,9 +89,7 @@ def read_mesh(path: Path, *, may_be_empty: bool = False) -> Mesh:
     arrays = load_npz(path)
     for name in ("vertices", "faces"):
         if name not in arrays:
-            raise click.ClickException(
-                f"{path}: has no array '{name}', only {', '.join(arrays) or 'none'}"
-            )
+            raise click.ClickException(f"{path}: has no array '{name}', only {quoted(arrays)}")
     mesh = Mesh(path, arrays.pop("vertices"), arrays.pop("faces"), arrays)
     if mesh.vertices.ndim not in (2, 3) or mesh.faces.ndim != 2:
         raise click.ClickException(

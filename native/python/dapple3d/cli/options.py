@@ -10,15 +10,16 @@ import click
 
 import dapple3d as dapple
 from dapple3d.cli.meshes import SurfaceOptions
+from dapple3d.cli.ranges import Number, Whole
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
 INPUT = click.Path(exists=True, dir_okay=False, path_type=Path)
 FRAMES = click.Path(exists=True, path_type=Path)  # or a folder of them
 OUTPUT = click.Path(path_type=Path)
-NOT_NEGATIVE = click.FloatRange(min=0)
-COUNT = click.IntRange(min=1, max=100_000_000)
-SPACING = click.FloatRange(min=0, min_open=True)
+NOT_NEGATIVE = Number(0.0)
+COUNT = Whole(1, 100_000_000)
+SPACING = Number(0.0, finite=True, open_below=True)
 
 
 def library_defaults(verb: str) -> dict[str, Any]:
@@ -68,8 +69,8 @@ def param_type(option: dapple.Option) -> click.ParamType:
     if option.choices:
         return click.Choice(option.choices)
     if option.type == "int":
-        return click.IntRange(option.min, option.max)
-    return click.FloatRange(option.min, option.max, min_open=option.open)
+        return Whole(option.min, option.max)
+    return Number(option.min, option.max, open_below=option.open)
 
 
 def given(options: Mapping[str, Any]) -> dict[str, Any]:
@@ -102,10 +103,10 @@ def check_amount(count: int | None, spacing: float | None) -> None:
 
 def check_either(count: int | None, spacing: float | None, points: Path | None) -> None:
     """Raise UsageError unless there are new points, or else a file with points."""
-    if count is not None and spacing is not None:
-        check_amount(count, spacing)
-    if (count is None and spacing is None) == (points is None):
-        raise click.UsageError("give either --count or --points; --spacing stands for a count")
+    if count is None and spacing is None and points is None:
+        raise click.UsageError("Missing option '-n' / '--count', '--spacing' or '--points'.")
+    if (count is not None) + (spacing is not None) + (points is not None) > 1:
+        raise click.UsageError("give only one of --count, --spacing and --points")
 
 
 def counted(surface: dapple.Surface, count: int | None, spacing: float | None) -> int:
@@ -157,7 +158,7 @@ def surface_options(command: Callable[..., None]) -> Callable[..., None]:
 def _sharp_option(command: Decorated) -> Decorated:
     return click.option(
         "--sharp-angle",
-        type=click.FloatRange(0, 180),
+        type=Number(0.0, 180.0),
         default=SurfaceOptions.sharp_angle,
         show_default=True,
         metavar="DEGREES",

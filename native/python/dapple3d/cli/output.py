@@ -14,7 +14,7 @@ from dapple3d.cli import meshes, options, points
 from dapple3d.cli.attributes import with_attributes
 from dapple3d.cli.files import check_outputs
 from dapple3d.cli.masks import Masks, mask_options
-from dapple3d.cli.report import Reporter, figures
+from dapple3d.cli.report import Reporter, figures, is_measured
 from dapple3d.cli.work import Result, Work
 
 
@@ -100,7 +100,8 @@ class Output:
         )
         self.reporter.say(f"{self.path}: {said}{loaded.doubled()}")
         for k, quality in enumerate(report.classes):
-            self.reporter.say(f"  class {k}: {quality.count} points, {figures(quality)}")
+            shown = figures(quality) if is_measured(quality) else "left alone"
+            self.reporter.say(f"  class {k}: {quality.count} points, {shown}")
         if self.profile:
             self.reporter.show_profile([report])
 

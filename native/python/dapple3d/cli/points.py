@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 import dapple3d as dapple
 from dapple3d import instances
 from dapple3d.cli import ply, text
-from dapple3d.cli.files import Arrays, about, listed, load_npz
+from dapple3d.cli.files import Arrays, about, listed, load_npz, quoted, unknown_format
 from dapple3d.extras import gltf, godot, usd
 from dapple3d.tables import COLUMNS
 from dapple3d.writing import replacing, write_npz
@@ -162,7 +162,7 @@ def check_extension(path: Path) -> str:
         usd.check_installed()
     if suffix in FORMATS:
         return suffix
-    trouble = "STL holds triangles, no points" if suffix == ".stl" else f"unknown format '{suffix}'"
+    trouble = "STL holds triangles, no points" if suffix == ".stl" else unknown_format(path)
     raise click.ClickException(f"{path}: {trouble}; points are written as {listed(FORMATS)}")
 
 
@@ -176,7 +176,7 @@ def read_points(path: Path) -> Points:
     read = READERS.get(path.suffix.lower())
     if read is None:
         raise click.ClickException(
-            f"{path}: unknown format '{path.suffix}'; points are read from {listed(READERS)}"
+            f"{path}: {unknown_format(path)}; points are read from {listed(READERS)}"
         )
     with about(path):
         return read(path)
@@ -379,7 +379,7 @@ def _numbers(name: str, values: NDArray, rows: int | str, *widths: int) -> NDArr
 def _read_npz(path: Path) -> Points:
     arrays = load_npz(path)
     if "positions" not in arrays:
-        raise ValueError(f"has no array 'positions', only {', '.join(arrays) or 'none'}")
+        raise ValueError(f"has no array 'positions', only {quoted(arrays)}")
     if "starts" in arrays:
         raise ValueError("holds several frames; `dapple export --frame` takes one out")
     return from_arrays(arrays)

@@ -48,6 +48,12 @@ class Reporter:
             click.echo(text, nl=False)
 
 
+def is_measured(report: dapple.Quality) -> bool:
+    """Whether the report has figures: relax() measures only what it has changed."""
+    some = report.alpha_min > 0.0 or report.thin_share > 0.0 or report.capacity_variation > 0.0
+    return some or report.count < 2
+
+
 def figures(report: dapple.Quality) -> str:
     """The main figures on one line; without alpha where the surface is thinner than the spacing."""
     variation = f"capacity variation {report.capacity_variation:.4f}"

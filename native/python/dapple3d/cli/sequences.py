@@ -92,8 +92,8 @@ def read(files: Sequence[Path], *, may_be_empty: bool = False) -> Frames:
     first = meshes.read_mesh(files[0])
     if np.ndim(first.vertices) != 3 or len(first.vertices) == 0:
         raise click.ClickException(
-            f"{first.path}: 'vertices' has the shape {np.shape(first.vertices)}: "
-            "(frames, v, 3) is needed, or more files"
+            f"{first.path}: holds one frame, vertices {np.shape(first.vertices)}; a motion is "
+            "several files, a folder of them, or an .npz with 'vertices' (frames, v, 3)"
         )
     return [
         (f"{first.path}[{k}]", replace(first, vertices=frame))

@@ -94,7 +94,8 @@ def command(
     on_mesh = places if stored is None else stored
     report = measured(surface, on_mesh, found.classes, chosen)
     if plot:
-        draw(plot, surface if mesh else None, on_mesh, threads, quiet)
+        with about(f"{plot}: spectra are measured in discs around the points"):
+            draw(plot, surface if mesh else None, on_mesh, threads, quiet)
     farthest = float(np.max(distances, initial=0.0) / report["spacing"])
     reporter.store(
         "analyze",

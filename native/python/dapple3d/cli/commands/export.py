@@ -12,10 +12,11 @@ import numpy as np
 from dapple3d import instances
 from dapple3d.cli import meshes, motions, options, points
 from dapple3d.cli.files import about, check_outputs
+from dapple3d.cli.ranges import Number, Whole
 from dapple3d.cli.report import Reporter
 from dapple3d.extras import gltf, godot, usd
 
-POSITIVE = click.FloatRange(min=0, min_open=True)
+POSITIVE = Number(0.0, finite=True, open_below=True)
 OF_GODOT = (*godot.SUFFIXES, *(one for one in godot.MESHES if one != ".obj"))  # not converted
 SCENE = {"fps": 24.0, "up": "Z", "meters_per_unit": 1.0}
 NAMED = re.compile(r"(?P<path>.*\.(usd[acz]?|glb|gltf))(?::(?P<prim>.+))?", re.IGNORECASE)
@@ -51,7 +52,7 @@ class PrototypeType(click.ParamType):
     "glTF a node of a glTF file, which OUT holds, by default all; for Godot a .res, .tres or .mesh "
     "file or a path res://..., which OUT refers to.  [default: balls]",
 )
-@click.option("--frame", type=click.IntRange(min=1), help="Only this one, counted from 1.")
+@click.option("--frame", type=Whole(1), help="Only this one, counted from 1.")
 @click.option("--start", type=int, help="Number of the first frame.  [default: as in POINTS, or 1]")
 @click.option("--fps", type=POSITIVE, help="Frames in a second.  [default: as in POINTS, or 24]")
 @click.option(
@@ -201,8 +202,8 @@ def check_single(out: Path, motion: motions.Motion, source: Path) -> None:
     """Raise ClickException if there are several frames."""
     if len(motion.frames) > 1:
         raise click.ClickException(
-            f"{out}: {source} has {len(motion.frames)} frames, of which --frame takes one; "
-            "all fit into .npz and USD files"
+            f"{out}: {source} has {len(motion.frames)} frames, and {out.suffix} holds one: choose "
+            "it by --frame, or write .npz or USD"
         )
 
 

@@ -15,7 +15,7 @@ from dapple3d.cli.commands.classes import CLASS_METAVAR, Wanted, WantedType, cla
 from dapple3d.cli.files import about
 from dapple3d.cli.masks import Command
 from dapple3d.cli.output import Output, Source, point_options
-from dapple3d.cli.report import figures
+from dapple3d.cli.report import figures, is_measured
 
 
 @click.command(
@@ -126,12 +126,14 @@ def command(
         **source.masks.describe(),
         **options.library_defaults("relax"),
     }
+    said = f"{len(samples)} points of {len(old)}, {len(where)} faces changed"
+    if is_measured(samples.report):
+        said += f", {figures(samples.report)} there"
     output.write(
         "relax",
         loaded,
         samples,
-        f"{len(samples)} points of {len(old)}, {len(where)} faces changed, "
-        f"{figures(samples.report)} there",
+        said,
         settings=settings | chosen,
         read={"points": str(points_file), "before": str(before or mesh)},
         changed_faces=len(where),

@@ -14,7 +14,8 @@ import numpy as np
 
 import dapple3d as dapple
 from dapple3d.cli import meshes, options, sequences
-from dapple3d.cli.files import about, check_outputs, listed, load_npz
+from dapple3d.cli.files import about, check_outputs, listed, load_npz, unknown_format
+from dapple3d.cli.ranges import Number
 from dapple3d.cli.report import Reporter
 from dapple3d.cli.work import Work
 from dapple3d.writing import replacing, write_npz
@@ -43,7 +44,7 @@ ARRAYS = ("vertices", "faces", "source_faces", "barycentric", "features", "lines
 @options.library_options("remesh")
 @click.option(
     "--least-angle",
-    type=click.FloatRange(0, 60),
+    type=Number(0.0, 60.0),
     help="Of frames: vertices stay in their places of the surface where an angle below this would "
     "get smaller. Degrees; 20 by default.",
 )
@@ -92,8 +93,8 @@ def command(
     reporter = Reporter(json_out, quiet)
     options.check_amount(count, spacing)
     motion, changing = motion_of(mesh)
-    check_extension(out, changing)
     check_motion(motion, changing, out, least_angle)
+    check_extension(out, changing)
     if changing:
         check_of_frames({"density": density} | options.given(chosen))
     files = sequences.files_of([mesh])
@@ -138,9 +139,7 @@ def check_extension(path: Path, changing: bool) -> None:
         return
     if suffix not in (*MESHES, ".npz"):
         known = listed((*MESHES, ".npz"))
-        raise click.ClickException(
-            f"{path}: unknown format '{suffix}'; meshes are written as {known}"
-        )
+        raise click.ClickException(f"{path}: {unknown_format(path)}; meshes are written as {known}")
 
 
 def motion_of(path: Path) -> tuple[sequences.Frames, bool]:
@@ -194,7 +193,7 @@ def check_of_frames(given: dict[str, Any]) -> None:
     for name, value in given.items():
         if value is not None and name not in known:
             raise click.UsageError(
-                f"--{name.replace('_', '-')} is of one mesh, but the frames have different polygons"
+                f"--{name.replace('_', '-')} is for one mesh: these frames have different polygons"
             )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 import dapple3d as dapple
 from dapple3d.cli import options
+from dapple3d.cli.files import about
 from dapple3d.cli.masks import Command
 from dapple3d.cli.output import Output, Source, point_options
 from dapple3d.cli.report import figures
@@ -87,7 +88,8 @@ def command(
         report = samples.report
     else:
         pairs = partial(in_pairs, masked.surface, count, symmetry, **mirrored, **chosen)
-        made = output.run("sampling", pairs)
+        with about(f"{mesh}, with --symmetry {symmetry}"):
+            made = output.run("sampling", pairs)
         report = made.samples.report
         samples = masked.pairs_to_original(made, **plane_across(symmetry, symmetry_at or 0.0))
         more = {"arrays": {"mirror": made.mirror}, "mirror_error": made.mirror_error}

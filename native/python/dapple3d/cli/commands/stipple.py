@@ -11,6 +11,7 @@ import dapple3d as dapple
 from dapple3d import stippling
 from dapple3d.cli import options
 from dapple3d.cli.files import about, check_outputs
+from dapple3d.cli.ranges import Number
 from dapple3d.cli.report import Reporter, figures
 from dapple3d.cli.work import Work
 from dapple3d.writing import replacing
@@ -22,7 +23,7 @@ from dapple3d.writing import replacing
 @click.option("-n", "--count", type=options.COUNT, required=True, help="Number of dots.")
 @click.option(
     "--scale",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Number(0.0, finite=True, open_below=True),
     default=4.0,
     show_default=True,
     help="Pixels of a .png for each of PICTURE.",

@@ -10,6 +10,7 @@ import click
 
 from dapple3d._starting import INTERRUPTED
 from dapple3d.cli import options
+from dapple3d.cli.ranges import Whole
 from dapple3d.cli.report import Reporter
 from dapple3d.cli.work import Work
 from dapple3d.extras.distributed import open_surface, sample_tiles
@@ -17,7 +18,7 @@ from dapple3d.extras.distributed.results import Folder
 
 SURFACE = click.Path(exists=True, path_type=Path)  # of Zarr it is a folder
 FOLDER = click.Path(file_okay=False, path_type=Path)
-COUNT = click.IntRange(min=1)
+COUNT = Whole(1)
 STEP = click.Tuple([click.FLOAT, click.FLOAT])
 
 
@@ -27,7 +28,7 @@ STEP = click.Tuple([click.FLOAT, click.FLOAT])
 @click.option("-n", "--count", type=COUNT, required=True, help="Number of points in all.")
 @click.option(
     "--tile",
-    type=click.IntRange(min=2_000),
+    type=Whole(2_000),
     default=100_000,
     show_default=True,
     help="About how many points a tile has; memory follows it.",
@@ -42,7 +43,7 @@ STEP = click.Tuple([click.FLOAT, click.FLOAT])
 )
 @click.option(
     "--workers",
-    type=click.IntRange(min=0),
+    type=Whole(0),
     help="So many processes on this machine, by Dask; 0 is one for each processor.",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Of a cluster of Dask that does the work.")
