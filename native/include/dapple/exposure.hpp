@@ -19,9 +19,10 @@ inline constexpr int kSkyDirections = 96;
 /// A face has two sides. If a patch of consistently oriented faces sees far more on one side, as
 /// bodies do also where they are open, only that side counts, so what is hidden in front is not
 /// seen through the hollow body behind it. Otherwise, as on leaves, the side that sees more counts.
-/// The orientation of faces does not matter. \param faces       the caller's index of the face of
-/// each place \param barycentric where on its face each place is; >= 0, sum 1 \return one per
-/// place; 0 on faces without area and on all but the first of faces that lie on
+/// The orientation of faces does not matter.
+/// \param faces       the caller's index of the face of each place
+/// \param barycentric where on its face each place is; >= 0, sum 1
+/// \return one per place; 0 on faces without area and on all but the first of faces that lie on
 ///         each other
 /// \throw ArgumentError naming the first face out of range; if the lengths differ; Cancelled
 [[nodiscard]] std::vector<double> exposure(const Surface& surface,

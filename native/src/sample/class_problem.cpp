@@ -17,12 +17,17 @@ constexpr double kUnionRadius = 5.0 / 6.0;  // of the repulsion radius, for site
 constexpr double kDiscs = 20.0;             // weight of overlapping discs
 constexpr double kPacking = std::numbers::pi / (2.0 * std::numbers::sqrt3);  // densest, of discs
 
+/// How a caller calls what belongs to a class.
+std::string member_name(const ClassProblem& problem, std::size_t c, const char* name) {
+  return problem.classes.size() == 1 ? name : entry("classes", c) + "." + name;
+}
+
 void check_radii(const ClassProblem& problem) {
   double covered = 0.0, most = -1.0;
   std::size_t largest = 0;
   for (std::size_t c = 0; c < problem.classes.size(); ++c) {
     const ClassProblem::Member& member = problem.classes[c];
-    check_at_least("radius", member.radius, 0.0);
+    check_at_least(member_name(problem, c, "radius").c_str(), member.radius, 0.0);
     const double area =
         static_cast<double>(member.count) * std::numbers::pi * member.radius * member.radius;
     covered += area;
@@ -41,8 +46,7 @@ void check_radii(const ClassProblem& problem) {
 void check_counts(const ClassProblem& problem) {
   std::size_t sum = 0;
   for (std::size_t c = 0; c < problem.classes.size(); ++c) {
-    check_count(problem.classes.size() == 1 ? "count" : entry("classes", c) + ".count",
-                problem.classes[c].count);
+    check_count(member_name(problem, c, "count"), problem.classes[c].count);
     sum += problem.classes[c].count;
   }
   check_count("the sum of all counts", sum);

@@ -236,6 +236,9 @@ TEST(Classes, NameWhatCannotBe) {
                                 {"class 1: 100 of radius"});
   const std::vector<SampleClass> negative = {{.count = 10, .radius = -1.0}};
   expect_message<ArgumentError>([&] { (void)sample_classes(surface, negative); }, {"radius is -1"});
+  const std::vector<SampleClass> second = {{.count = 10}, {.count = 10, .radius = -1.0}};
+  expect_message<ArgumentError>([&] { (void)sample_classes(surface, second); },
+                                {"classes[1].radius is -1"});
   expect_message<ArgumentError>([&] { (void)sample_classes(surface, {}); }, {"classes is empty"});
   const std::vector<SampleClass> foreign = {{.count = 10},
                                             {.count = 10, .surface = box(2).surface()}};
