@@ -247,7 +247,8 @@ other, or put into the widest gaps. Then all are made as even as they were.
 
 Args:
     surface: a Surface of the same faces; its density and vertices may be others.
-    samples: Samples.
+    samples: Samples of one class, which new ones get too. Samples of several classes all become those of class 0:
+        relax() is for them.
     count: number of samples wanted, 0..100000000; it includes the locked ones.
     {options}
     locked: (k,) indices of samples that stay where they are, or None; new ones may come between them.

@@ -63,6 +63,21 @@ def test_resamples_for_another_density_or_spacing(files, tmp_path):
     assert len(points.read_points(out).positions) == loaded(mesh).count(spacing)
 
 
+def test_refuses_to_resample_several_classes(files, tmp_path):
+    mesh, source, out = files[0], tmp_path / "plants.npz", tmp_path / "out.npz"
+    done("classes", mesh, source, "--class", 30, "--class", 70)
+    said = refused("resample", mesh, source, out, "-n", 200)
+    assert f"{source}: holds points of 2 classes, and resample knows one" in said
+    assert not out.exists()
+
+
+def test_resampled_points_keep_their_class(files):
+    surface = loaded(files[0])
+    found = dapple.sample(surface, 100)
+    own = dapple.Samples(surface, found.faces, found.barycentric, classes=np.full(100, 3))
+    assert set(dapple.resample(surface, own, 120).classes) == {3}
+
+
 def test_relaxes_as_the_library_does(files, tmp_path):
     mesh, source = files
     out, report = tmp_path / "out.npz", tmp_path / "report.json"

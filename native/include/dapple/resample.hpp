@@ -29,6 +29,8 @@ void check_options(const ResampleOptions& options);
 /// order and with their ids; new ids follow the largest. The report tells how far they slid, in
 /// spacings.
 /// \param surface of the same faces; its density and vertices may differ
+/// \param samples of one class, which new ones get too; samples of several classes all become those
+///                of class 0, since relax() is for them
 /// \param count   at least as many as are locked
 /// \throw ArgumentError if the samples do not lie on the surface, for options out of range, naming
 ///        the first locked index out of range, or for a count below the number of locked samples;

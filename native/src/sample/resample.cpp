@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <dapple/poisson_start.hpp>
 #include <dapple/resample.hpp>
+#include <functional>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
@@ -176,6 +177,14 @@ void restore_locked(const Samples& before, const Beginning& first, Samples& afte
   }
 }
 
+/// The class of all samples; 0 if they are of several.
+std::int32_t common_class(const Samples& samples) {
+  const std::vector<std::int32_t>& classes = samples.classes;
+  if (classes.empty() || std::ranges::adjacent_find(classes, std::not_equal_to()) != classes.end())
+    return 0;
+  return classes.front();
+}
+
 }  // namespace
 
 Samples resample(const Surface& surface, const Samples& samples, std::size_t count,
@@ -199,6 +208,7 @@ Samples resample(const Surface& surface, const Samples& samples, std::size_t cou
     const StageSpan reporting(call.context(), Stage::kReporting);
     Samples even = to_samples(surface, domain, std::move(found), ids);
     restore_locked(samples, first, even);
+    even.classes.assign(even.size(), common_class(samples));
     measure_slide(even.report, even.positions, first.kept.positions);
     return even;
   });

@@ -55,6 +55,12 @@ def command(
     masked = source.masks.on(loaded.surface, mesh, count=count, spacing=spacing)
     count = options.counted(masked.surface, count, spacing)
     before = points.bound(loaded.surface, points_file)
+    kinds = np.unique(before.classes)
+    if len(kinds) > 1:
+        raise click.ClickException(
+            f"{points_file}: holds points of {len(kinds)} classes, and resample knows one: use "
+            "'dapple relax' with --class for each"
+        )
     stay = indices.indices("--locked", locked, len(before), "points")
     chosen = options.given(solver)
     there = masked.from_original(before)
