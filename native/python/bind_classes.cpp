@@ -42,6 +42,18 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, const py::sequen
   });
 }
 
+/// The result of a call that reads the density of a class, whose errors then name the class.
+auto of_class(std::size_t k, const auto& call) {
+  const std::string name = "classes[" + std::to_string(k) + "].";
+  try {
+    return call();
+  } catch (const SurfaceError& error) {
+    throw SurfaceError(name + error.what());
+  } catch (const ArgumentError& error) {
+    throw ArgumentError(name + error.what());
+  }
+}
+
 std::vector<SampleClass> classes_in_plane(const py::sequence& classes) {
   std::vector<SampleClass> result;
   for (const ClassArgument& argument : class_arguments(classes)) {
@@ -50,7 +62,9 @@ std::vector<SampleClass> classes_in_plane(const py::sequence& classes) {
                           "] has locked samples: a surface is needed for them");
     result.push_back(
         {.count = static_cast<std::size_t>(argument.count), .radius = argument.radius});
-    if (!argument.density.is_none()) result.back().image = image_of("density", argument.density);
+    if (argument.density.is_none()) continue;
+    result.back().image =
+        of_class(result.size() - 1, [&] { return image_of("density", argument.density); });
   }
   return result;
 }
@@ -91,7 +105,9 @@ std::vector<SampleClass> classes_on(const Surface& surface, const py::sequence& 
                       .radius = argument.radius,
                       .locked = sites_of(argument.locked)});
     if (argument.density.is_none()) continue;
-    result.back().surface = *with_density(surface, argument.density, argument.density_at, nullptr);
+    result.back().surface = of_class(result.size() - 1, [&] {
+      return *with_density(surface, argument.density, argument.density_at, nullptr);
+    });
   }
   return result;
 }
