@@ -133,7 +133,10 @@ def test_tracker_keeps_classes(surface: dapple.Surface) -> None:
         ([dapple.SampleClass(10, radius=-1.0)], "radius is -1"),
         ([dapple.SampleClass(100, radius=10.0)], "radii need discs of area"),
         ([2, dapple.SampleClass(1, density=[1.0])], r"classes\[1\].density has 1 value"),
-        ([dapple.SampleClass(1, density_at="edges", density=[1.0])], r"\[0\].density_at is 'edges'"),
+        (
+            [dapple.SampleClass(1, density_at="edges", density=[1.0])],
+            r"\[0\].density_at is 'edges'",
+        ),
     ],
 )
 def test_bad_input_is_named(surface: dapple.Surface, classes: list, message: str) -> None:

@@ -17,8 +17,8 @@ enum class Method {
 };
 
 struct OptimizerOptions {
-  /// Lambda, the weight of equal capacities: larger values look less like a lattice; 20 to 100 are
-  /// useful.
+  /// Lambda, the weight of equal capacities: larger values look less like a lattice. 20 to 100 are
+  /// useful for samples, less than 1 for the vertices of meshes.
   double capacity_weight = 30.0;  // basic, >= 0
   /// Kappa, the weight of the repulsion that keeps neighbors apart; 0 is the paper's plain energy.
   double repulsion_weight = 3.0;  // basic, >= 0
@@ -29,7 +29,7 @@ struct OptimizerOptions {
   /// Steps in a row that decrease the energy by no more than the tolerance before it stops: one
   /// small step alone is no convergence.
   int patience = 2;  // internal, >= 1
-  /// Maximal number of evaluations of the energy; for motions per frame, or part of a frame.
+  /// Maximum number of evaluations of the energy; for motions, in each frame or part of a frame.
   int max_evaluations = 200;  // basic, >= 1
   /// Steps that L-BFGS remembers.
   int history = 7;  // internal, >= 0

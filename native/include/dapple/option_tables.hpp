@@ -129,8 +129,8 @@ inline constexpr std::tuple kOptimizerOptions = {
            {0, kFinite},
            "",
            Level::kBasic,
-           "Lambda, the weight of equal capacities: larger values look less like a lattice; 20 to "
-           "100 are useful."},
+           "Lambda, the weight of equal capacities: larger values look less like a lattice. 20 to "
+           "100 are useful for samples, less than 1 for the vertices of meshes."},
     Option{"repulsion_weight",
            &OptimizerOptions::repulsion_weight,
            {0, kFinite},
@@ -158,13 +158,13 @@ inline constexpr std::tuple kOptimizerOptions = {
            Level::kInternal,
            "Steps in a row that decrease the energy by no more than the tolerance before it stops: "
            "one small step alone is no convergence."},
-    Option{
-        "max_evaluations",
-        &OptimizerOptions::max_evaluations,
-        {1, kFinite},
-        "",
-        Level::kBasic,
-        "Maximal number of evaluations of the energy; for motions per frame, or part of a frame."},
+    Option{"max_evaluations",
+           &OptimizerOptions::max_evaluations,
+           {1, kFinite},
+           "",
+           Level::kBasic,
+           "Maximum number of evaluations of the energy; for motions, in each frame or part of a "
+           "frame."},
     Option{"history",
            &OptimizerOptions::history,
            {0, kFinite},
@@ -297,16 +297,16 @@ inline constexpr std::tuple kImageOptions = {
     Option{"shortest",
            &ImageOptions::shortest,
            {0, kFinite},
-           "",
+           "units of the surface",
            Level::kExpert,
-           "The same on the surface, in the units of its vertices: detail far finer than the "
+           "Edges of this length or shorter on the surface are not cut: detail far finer than the "
            "spacing of samples costs time without effect."},
     Option{"max_faces",
            &ImageOptions::max_faces,
            {1, kMostRefinedFaces},
            "",
            Level::kExpert,
-           "Maximal number of faces; beyond it the rest stays coarser, and resolved is False."}};
+           "Maximum number of faces; beyond it the rest stays coarser, and resolved is False."}};
 
 constexpr const auto& options_of(const ImageOptions&) { return kImageOptions; }
 

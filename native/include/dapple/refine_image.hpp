@@ -15,10 +15,10 @@ struct ImageOptions {
   double max_error = 0.02;  // expert, > 0
   /// Edges of this length or shorter are not cut.
   double texels = 1.0;  // expert, > 0, pixels
-  /// The same on the surface, in the units of its vertices: detail far finer than the spacing of
-  /// samples costs time without effect.
-  double shortest = 0.0;  // expert, >= 0
-  /// Maximal number of faces; beyond it the rest stays coarser, and resolved is False.
+  /// Edges of this length or shorter on the surface are not cut: detail far finer than the spacing
+  /// of samples costs time without effect.
+  double shortest = 0.0;  // expert, >= 0, units of the surface
+  /// Maximum number of faces; beyond it the rest stays coarser, and resolved is False.
   std::size_t max_faces = 1'000'000;  // expert, 1..kMostRefinedFaces
 };
 

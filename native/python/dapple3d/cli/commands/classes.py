@@ -149,12 +149,12 @@ class WantedType(click.ParamType):
     multiple=True,
     required=True,
     metavar=CLASS_METAVAR,
-    help="Once for each class. S, in place of a number, is the distance between its points where "
-    "the density is largest. R >= 0 keeps things apart by the sum of their radii; with 0 they are "
-    "points, which stay outside the things of others. Both are in the units of MESH. D is a "
-    "density as for --density, else that of MESH. B says what becomes of things that would stick "
-    "out over the border of MESH, or of what masks and densities leave: keep; move-in; or remove, "
-    "which leaves out as many points as would be there.",
+    help="A class; repeat it for each. COUNT is the number of its points; spacing=S instead is the "
+    "distance between them where the density is largest. R is the radius of a disc around each "
+    "point: discs of all classes stay apart, and points without one stay outside of them. Lengths "
+    "are in the units of MESH. D is a density as for --density; without it, that of MESH. B says "
+    "what happens to discs that would stick out over the border of MESH, or of what masks and "
+    "densities leave: keep, move-in or remove.",
 )
 @point_options("sample_classes")
 def command(

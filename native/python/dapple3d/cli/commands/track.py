@@ -62,7 +62,7 @@ START = {*options.library_defaults("sample")} & {*options.library_defaults("Trac
     type=click.Choice(OVER_TIME),
     help="With --outside: frames that decide. first-frame: places stay as they are there, and "
     "points may become hidden. all-frames: places that are seen on every frame. each-frame: points "
-    "leave places that become hidden and move to those that come to light.  "
+    "leave places that become hidden and move to those that become visible.  "
     f"[default: {FIRST_FRAME}]",
 )
 @options.surface_options
@@ -379,7 +379,9 @@ def begun(
         ValueError: there are classes.
     """
     if "classes" in given:
-        raise ValueError("comes behind a frame without faces, where classes cannot begin anew")
+        raise ValueError(
+            "follows a frame without faces: points of several classes cannot begin again there"
+        )
     count = max(1, round(density * surface.capacity))
     sampling = {name: given[name] for name in START if name in given}
     found = dapple.sample(surface, count, seed=next_id, context=context, **sampling)
