@@ -54,6 +54,17 @@ def test_refuses_the_folder_of_something_else(terrain, tmp_path):
     assert "holds tiles with count 4000, not 5000" in told
 
 
+def test_names_the_terrain_that_is_wrong(terrain, tmp_path):
+    row = tmp_path / "row.npy"
+    np.save(row, np.zeros((1, 5)))
+    wrong = f"Error: {row}: heights has the shape (1, 5): at least 2 rows and columns are needed"
+    assert wrong in refused("tiles", row, tmp_path / "out", *SETTINGS)
+    told = refused("tiles", terrain, tmp_path / "out", *SETTINGS, "--step", 0, 1)
+    assert f"Error: {terrain}: step is (0.0, 1.0): two finite numbers" in told
+    told = refused("tiles", terrain, tmp_path / "out", *SETTINGS, "--density", row)
+    assert f"Error: {terrain}: density has the shape (1, 5), but heights" in told
+
+
 def test_says_after_ctrl_c_that_it_can_go_on(terrain, tmp_path, monkeypatch):
     def interrupted(self, call):
         raise KeyboardInterrupt

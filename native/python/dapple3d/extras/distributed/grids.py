@@ -94,16 +94,22 @@ def open_heights(
             a group of Zarr with an array 'heights', and 'density' if there is one.
         density: a file with as many numbers.
         step: between two columns and between two rows; None is that of the file, or 1.
+
+    Raises:
+        ValueError: naming the file and what is wrong with it.
     """
     grouped = path.suffix.lower() == ".zarr" and _is_group(str(path.absolute()))
     heights = open_grid(path, "heights" if grouped else "")
     weights = open_grid(density) if density else None
     if grouped and not density and "density" in _zarr().open_group(str(path), mode="r"):
         weights = open_grid(path, "density")
-    if path.suffix.lower() in (".npy", ".zarr"):
-        return HeightField(heights, step or (1.0, 1.0), density=weights, name=path.name)
-    found_step, origin = _place_of(path)
-    return HeightField(heights, step or found_step, origin, weights, path.name)
+    found_step, origin = (1.0, 1.0), (0.0, 0.0)
+    if path.suffix.lower() not in (".npy", ".zarr"):
+        found_step, origin = _place_of(path)
+    try:
+        return HeightField(heights, step or found_step, origin, weights, path.name)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
 
 
 def _place_of(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:

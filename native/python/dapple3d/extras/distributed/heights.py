@@ -43,7 +43,9 @@ class HeightField:
     def __post_init__(self) -> None:
         shape = tuple(self.heights.shape)
         if len(shape) != 2 or min(shape) < 2:
-            raise ValueError(f"heights has the shape {shape}: (rows, columns) of 2 at least")
+            raise ValueError(
+                f"heights has the shape {shape}: at least 2 rows and columns are needed"
+            )
         if self.density is not None and tuple(self.density.shape) != shape:
             raise ValueError(f"density has the shape {self.density.shape}, but heights {shape}")
         for name, grid in (("heights", self.heights), ("density", self.density)):
