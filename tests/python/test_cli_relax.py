@@ -111,7 +111,7 @@ def test_relaxes_classes_as_the_library_does(files, tmp_path):
     assert np.bincount(points.read_points(out).classes).tolist() == [20, 200]
     like = done("relax", mesh, source, out, "--changed", "0", "--class", "30", "--class", 270)
     assert "faces changed\n  class 0: 30 points, " in like.stdout  # the whole is not measured
-    assert "pass classes, one for each class of samples" in refused(*arguments)
+    assert f"{source}: holds points of 2 classes: give --class for each" in refused(*arguments)
 
 
 def test_relaxes_where_vertices_have_moved(files, tmp_path):

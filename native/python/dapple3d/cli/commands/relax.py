@@ -105,6 +105,11 @@ def command(
         where = found
     old = points.bound(then, points_file)
     old = dapple.Samples(surface, old.faces, old.barycentric, ids=old.ids, classes=old.classes)
+    kinds = np.unique(old.classes)
+    if len(kinds) > 1 and not wanted:
+        raise click.ClickException(
+            f"{points_file}: holds points of {len(kinds)} classes: give --class for each"
+        )
     stay = indices.indices("--locked", locked, len(old), "points")
     masked, classes = classes_on(wanted, loaded, source, count or len(old))
     chosen = options.given(solver)
