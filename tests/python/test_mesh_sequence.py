@@ -181,8 +181,8 @@ def test_the_command_writes_all_frames_into_a_folder(tmp_path):
     [
         (["even.obj", "-n", "9"], "written into a folder, or as .npz"),
         (["even", "-n", "9", "--least-angle", "9"], "--least-angle needs a motion"),
-        (["even", "-n", "9", "--adaptive"], "--adaptive is of one mesh"),
-        (["even", "-n", "9", "--non-manifold", "cut"], "--non-manifold is of one mesh"),
+        (["even", "-n", "9", "--adaptive"], "--adaptive is for one mesh"),
+        (["even", "-n", "9", "--non-manifold", "cut"], "--non-manifold is for one mesh"),
     ],
 )
 def test_the_command_names_what_does_not_fit(tmp_path, words, message):

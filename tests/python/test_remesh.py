@@ -133,14 +133,20 @@ def test_adapts_to_the_surface():
 def test_a_moving_mesh_keeps_what_it_is_adapted_to():
     vertices, faces = half_flat()
     surface = dapple.Surface(vertices, faces)
-    mesh = dapple.remesh(surface, 600, adaptive=True, feature_angle=180)
 
-    tracker = dapple.MeshTracker(surface, mesh)
-    for k in range(12):
-        bent = vertices * (1.0 + 0.1 * k, 1.0, 1.0)
-        moved = tracker.advance(bent)
-    found = dapple.project(dapple.Surface(moved.vertices, mesh.faces), bent)
-    assert found.distances.max() < 2.0 * mesh.report.distance
+    def distances(mesh):
+        """The largest on each frame: a single one depends on where a few vertices happen to be."""
+        tracker = dapple.MeshTracker(surface, mesh)
+        for k in range(12):
+            bent = vertices * (1.0 + 0.1 * k, 1.0, 1.0)
+            moved = dapple.Surface(tracker.advance(bent).vertices, mesh.faces)
+            yield dapple.project(moved, bent).distances.max()
+
+    adapted = dapple.remesh(surface, 600, adaptive=True, feature_angle=180)
+    even = dapple.remesh(surface, 600, feature_angle=180)
+    found = np.mean(list(distances(adapted)))
+    assert found < 2.0 * adapted.report.distance
+    assert found < 0.9 * np.mean(list(distances(even)))
 
 
 def test_stops_when_cancelled():

@@ -207,13 +207,13 @@ def test_an_angle_of_180_degrees_keeps_no_creases():
 
 def test_adaptive_vertices_keep_the_shape_better():
     def farthest(**options):
-        bpy.ops.mesh.primitive_torus_add(major_segments=60, minor_segments=30)
+        bpy.ops.mesh.primitive_torus_add(major_segments=120, minor_segments=60)
         obj = bpy.context.object
         obj.scale.z = 0.2
         bpy.ops.object.transform_apply()
         before = positions(obj.data).astype(float)
-        mesh = remeshed(obj, count=300, feature_angle=math.pi, **options)
-        assert len(mesh.vertices) == 300
+        mesh = remeshed(obj, count=1200, feature_angle=math.pi, **options)
+        assert len(mesh.vertices) == 1200
         faces = np.array([polygon.vertices[:] for polygon in mesh.polygons])
         surface = dapple.Surface(positions(mesh).astype(float), faces)
         return dapple.project(surface, before).distances.max()
