@@ -335,12 +335,9 @@ void FaceMarch::find_disconnected(std::size_t chunk, std::vector<OrderedFace>& f
   const std::size_t first = chunk * FaceEdges::kFaces;
   const std::size_t last = std::min(first + FaceEdges::kFaces, surface_->face_count());
   faces.clear();
-  const std::vector<CellPart>& cells = parts_[chunk].cells;
-  const bool known = !waits_;  // which cells the chunk meets
-  if (known && std::none_of(cells.begin(), cells.end(), [this](const CellPart& part) {
-        return lost_[as_index(part.site)] >= 0;
-      }))
-    return;
+  // Once integrated, a chunk knows which cells it meets.
+  const auto is_lost = [this](const CellPart& part) { return lost_[as_index(part.site)] >= 0; };
+  if (!waits_ && std::ranges::none_of(parts_[chunk].cells, is_lost)) return;
   for (std::size_t f = first; f < last; ++f) {
     bool disconnected = false;
     for_each_site_on(nth_face(f), [&](std::int32_t site) {

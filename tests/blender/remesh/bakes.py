@@ -26,6 +26,22 @@ def cancel(stepper, progress):
     return between
 
 
+def press_until(artist, progress, pressed):
+    """Begin a remesh in the background, and wait until so much of it is done."""
+    artist.press("remesh", **pressed)
+    artist.until(lambda: artist.work.job.progress > progress)
+
+
+def expect_end_by_purge(artist, obj, progress, pressed):
+    """Once so much is done the artist removes unused data, and with it the meshes so far."""
+    before = blocks()
+    press_until(artist, progress, pressed)
+    bpy.data.orphans_purge()
+    artist.finish()
+    assert "a mesh was removed in the meantime" in artist.said(obj)[-1][1]
+    assert blocks() <= before
+
+
 def blocks():
     """Names of all data-blocks that a bake makes."""
     lists = ("objects", "meshes", "collections", "node_groups", "shape_keys", "actions")

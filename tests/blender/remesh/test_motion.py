@@ -8,7 +8,7 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 import scenes
-from bakes import blocks, cancel, stepped
+from bakes import blocks, cancel, expect_end_by_purge, press_until, stepped
 
 BAKE = {"animation": "SHAPE_KEYS", "count": 300}
 
@@ -298,8 +298,7 @@ def test_in_the_background_an_undo_ends_it(artist):
     bpy.data.objects["Rig"].location.y = 0.1
     bpy.ops.ed.undo_push(message="Moved")
     before = blocks()
-    artist.press("remesh", **PRESSED)
-    artist.until(lambda: artist.work.job.progress > 0.6)
+    press_until(artist, 0.6, PRESSED)
     assert blocks() != before
     bpy.ops.ed.undo()
     artist.finish()
@@ -310,20 +309,13 @@ def test_in_the_background_an_undo_ends_it(artist):
 
 def test_a_mesh_that_is_removed_meanwhile_ends_it(artist):
     obj = scenes.tail(levels=0, frames=6)
-    before = blocks()
-    artist.press("remesh", **PRESSED)
-    artist.until(lambda: artist.work.job.progress > 0.6)
-    bpy.data.orphans_purge()
-    artist.finish()
-    assert "a mesh was removed in the meantime" in artist.said(obj)[-1][1]
-    assert blocks() <= before
+    expect_end_by_purge(artist, obj, 0.6, PRESSED)
     assert keys_of(obj) == 0
 
 
 def test_files_saved_meanwhile_contain_no_keys(artist, tmp_path):
     obj = scenes.tail(levels=0, frames=6)
-    artist.press("remesh", **PRESSED)
-    artist.until(lambda: artist.work.job.progress > 0.6)
+    press_until(artist, 0.6, PRESSED)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "meanwhile.blend"), copy=True)
     artist.finish()
     assert keys_of(obj) == 6
@@ -340,8 +332,7 @@ def test_steps_of_undo_that_are_made_meanwhile_show_no_keys(artist, tmp_path):
     bpy.context.collection.objects.link(lamp)
     bpy.ops.ed.undo_push(message="Before")
     before = blocks()
-    artist.press("remesh", **PRESSED)
-    artist.until(lambda: artist.work.job.progress > 0.6)
+    press_until(artist, 0.6, PRESSED)
     lamp.location.x = 1.0
     bpy.ops.ed.undo_push(message="Moved")
     artist.finish()

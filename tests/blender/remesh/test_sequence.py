@@ -8,7 +8,7 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 import scenes
-from bakes import blocks, cancel, stepped
+from bakes import blocks, cancel, expect_end_by_purge, press_until, stepped
 
 BAKE = {"animation": "SEQUENCE", "count": 400, "frame_start": 1, "frame_end": 4}
 
@@ -199,8 +199,7 @@ def test_in_the_background_it_is_one_step_of_undo(artist):
 def test_an_artist_who_edits_another_object_stays_there(artist):
     """The new object became the active one, and the other was left in Edit Mode."""
     block = carved()
-    artist.press("remesh", **PRESSED)
-    artist.until(lambda: artist.work.job.progress > 0.5)
+    press_until(artist, 0.5, PRESSED)
     bpy.ops.mesh.primitive_cone_add()
     cone = bpy.context.object
     bpy.ops.object.mode_set(mode="EDIT")
@@ -216,8 +215,7 @@ def test_an_artist_who_edits_another_object_stays_there(artist):
 
 def test_an_artist_who_has_gone_on_keeps_the_active_object(artist):
     carved()
-    artist.press("remesh", **PRESSED)
-    artist.until(lambda: artist.work.job.progress > 0.5)
+    press_until(artist, 0.5, PRESSED)
     bpy.ops.mesh.primitive_cone_add()
     artist.finish()
     assert bpy.context.object.name == "Cone"
@@ -230,8 +228,7 @@ def test_in_the_background_an_undo_ends_it(artist):
     bpy.data.objects["Ball"].location.y = 0.1
     bpy.ops.ed.undo_push(message="Moved")
     before = blocks()
-    artist.press("remesh", **PRESSED)
-    artist.until(lambda: artist.work.job.progress > 0.5)
+    press_until(artist, 0.5, PRESSED)
     bpy.ops.ed.undo()
     artist.finish()
     assert blocks() == before
@@ -240,19 +237,12 @@ def test_in_the_background_an_undo_ends_it(artist):
 
 def test_a_mesh_that_is_removed_meanwhile_ends_it(artist):
     block = carved()
-    before = blocks()
-    artist.press("remesh", **PRESSED)
-    artist.until(lambda: artist.work.job.progress > 0.5)
-    bpy.data.orphans_purge()
-    artist.finish()
-    assert "a mesh was removed in the meantime" in artist.said(block)[-1][1]
-    assert blocks() <= before
+    expect_end_by_purge(artist, block, 0.5, PRESSED)
 
 
 def test_files_saved_meanwhile_contain_no_frames(artist, tmp_path):
     carved()
-    artist.press("remesh", **PRESSED)
-    artist.until(lambda: artist.work.job.progress > 0.5)
+    press_until(artist, 0.5, PRESSED)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "meanwhile.blend"), copy=True)
     artist.finish()
     with bpy.data.libraries.load(str(tmp_path / "meanwhile.blend")) as (stored, _):

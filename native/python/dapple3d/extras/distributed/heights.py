@@ -47,7 +47,7 @@ class HeightField:
                 f"heights has the shape {shape}: at least 2 rows and columns are needed"
             )
         if self.density is not None and tuple(self.density.shape) != shape:
-            raise ValueError(f"density has the shape {self.density.shape}, but heights {shape}")
+            raise ValueError(f"density has the shape {self.density.shape}, but heights has {shape}")
         for name, grid in (("heights", self.heights), ("density", self.density)):
             if grid is not None:
                 check_real(name, getattr(grid, "dtype", np.float64))
