@@ -29,8 +29,7 @@ constexpr int kExactSteps = 60;     // the long waves that a deformation causes 
 constexpr int kPasses = 3;          // over the pairs that a step brings too close
 constexpr double kMostHeld = 0.25;  // share of the sites that may be held back for that
 constexpr double kRounding = 1e-12;  // relative rounding error of a shortened move
-constexpr double kRare = 0.25;       // share of all sites: classes with fewer are rare
-constexpr double kFewTooFar = 0.02;  // share of all sites: if so few go too far, only they are cut
+constexpr double kFewTooFar = 0.05;  // share of all sites: if so few go too far, only they are cut
 
 /// Shortens moves that bring sites too close. It is skipped if many moves would be shortened, as in
 /// white noise, or if there are several classes, whose repulsions may contradict that of the union;
@@ -93,27 +92,14 @@ void separate_crowded(const Objective& objective, const Evaluation& state, Vecto
   separate(all, direction);
 }
 
-/// Per site, whether it belongs to a rare class.
-std::vector<bool> of_rare_classes(const Objective& objective, std::size_t sites) {
-  std::vector<bool> rare(sites, false);
-  for (const Term& term : objective.terms)
-    if (static_cast<double>(term.members.size()) < kRare * static_cast<double>(sites))
-      for (const std::int32_t k : term.members) rare[static_cast<std::size_t>(k)] = true;
-  return rare;
-}
-
-/// The cells of a rare class are large compared with the spacing of the union, which limits a step.
-/// The steps of a few such sites must not shorten the moves of all sites.
+/// Where classes and their union disagree, few sites want to go much farther than all others, as those
+/// of rare classes do, whose cells are large. They must not shorten the moves of all.
 void cut_few(const Objective& objective, const Evaluation& state, double max_step,
              Vectors& direction) {
   if (state.parts.size() < 2) return;
-  const std::vector<bool> rare = of_rare_classes(objective, direction.size());
   std::vector<std::size_t> far;
   for (std::size_t k = 0; k < direction.size(); ++k)
-    if (direction[k].norm() > longest_step(objective, state, max_step, k)) {
-      if (!rare[k]) return;
-      far.push_back(k);
-    }
+    if (direction[k].norm() > longest_step(objective, state, max_step, k)) far.push_back(k);
   if (static_cast<double>(far.size()) > kFewTooFar * static_cast<double>(direction.size())) return;
   for (const std::size_t k : far)
     direction[k] *= longest_step(objective, state, max_step, k) / direction[k].norm();
