@@ -92,8 +92,8 @@ void separate_crowded(const Objective& objective, const Evaluation& state, Vecto
   separate(all, direction);
 }
 
-/// Where classes and their union disagree, few sites want to go much farther than all others, as those
-/// of rare classes do, whose cells are large. They must not shorten the moves of all.
+/// Where classes and their union disagree, few sites want to go much farther than all others, as
+/// those of rare classes do, whose cells are large. They must not shorten the moves of all.
 void cut_few(const Objective& objective, const Evaluation& state, double max_step,
              Vectors& direction) {
   if (state.parts.size() < 2) return;
