@@ -79,20 +79,15 @@ class Tiler {
     return without_short_edges(std::move(joined), shortest_, std::min(shortest_, rounding_));
   }
 
-  [[nodiscard]] Patch flat(const Patch& patch) const {
-    return options_.merge ? merged(patch) : patch;
-  }
-
   [[nodiscard]] MadeTile make(std::span<const CellPolygon> cell, const Patch& patch,
-                              const Patch& flat) const {
+                              FlatPatch flat) const {
     MadeTile result;
     for (const CellPolygon& piece : cell) result.tile.cell_area += area_of(piece);
     for (const PatchPolygon& polygon : patch.polygons)
       result.tile.area += 0.5 * twice_area_vector(patch, polygon).norm();
-    const auto [parts, loops] = topology_of(patch);
-    result.tile.parts = parts;
-    result.tile.loops = loops;
-    result.mesh = raised(flat, options_.thickness);
+    result.tile.parts = flat.topology.parts;
+    result.tile.loops = flat.topology.loops;
+    result.mesh = raised(without_straight(std::move(flat)), options_.thickness);
     return result;
   }
 
@@ -134,15 +129,15 @@ void name_parents(const CutSurface& cut, std::span<MadeTile> tiles) {
     for (PatchPolygon& polygon : made.mesh.patch.polygons) polygon.face = cut.parent(polygon.face);
 }
 
-/// The points of touching tiles. They are shared so that no corner of one tile lies inside an edge
+/// The corners of touching tiles. They are shared so that no corner of one tile lies inside an edge
 /// of another.
 class Corners {
  public:
-  explicit Corners(std::span<const Patch> tiles) {
-    for (const Patch& tile : tiles)
-      for (const PatchPolygon& polygon : tile.polygons)
-        for (const std::int32_t v : polygon.corners)
-          points_.push_back(key(tile.points[static_cast<std::size_t>(v)]));
+  explicit Corners(std::span<const FlatPatch> tiles) {
+    for (const FlatPatch& tile : tiles)
+      for (const PatchPolygon& polygon : tile.patch.polygons)
+        for (const std::int32_t v : kept_corners(tile, polygon))
+          points_.push_back(key(tile.patch.points[static_cast<std::size_t>(v)]));
     sort_unique(points_);
   }
 
@@ -156,12 +151,13 @@ class Corners {
   std::vector<Key> points_;
 };
 
-/// Give touching tiles the same points along their common edges.
-void share_corners(std::span<const Patch> patches, std::span<Patch> flat) {
-  const Corners corners(flat);
-  parallel_chunks(flat.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      flat[k] = merged(patches[k], [&](const Vec3& point) { return corners.has(point); });
+/// Keep the vertices of touching tiles that are corners of others.
+void share_corners(std::span<FlatPatch> tiles) {
+  const Corners corners(tiles);
+  parallel_chunks(tiles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (FlatPatch& tile : tiles.subspan(begin, end - begin))
+      for (std::size_t v = 0; v < tile.straight.size(); ++v)
+        if (tile.straight[v]) tile.straight[v] = !corners.has(tile.patch.points[v]);
   });
 }
 
@@ -178,7 +174,8 @@ std::vector<MadeTile> made_of(const Tiler& tiler, std::span<const CellPolygon> p
     });
   };
   std::vector<JoinedPatch> joined(count);
-  std::vector<Patch> patches(count), flat(count);
+  std::vector<Patch> patches(count);
+  std::vector<FlatPatch> flat(count);
   std::vector<MadeTile> result(count);
   const EdgePoints others = tiler.edge_points(pieces);
   for_each([&](std::size_t k) {
@@ -188,13 +185,13 @@ std::vector<MadeTile> made_of(const Tiler& tiler, std::span<const CellPolygon> p
   if (tiler.touch()) patches = tiler.cleaned(std::move(joined));
   for_each([&](std::size_t k) {
     patches[k] = apart(patches[k]);
-    flat[k] = tiler.flat(patches[k]);
+    flat[k] = flattened(patches[k], tiler.merges());
   });
-  if (tiler.merges() && tiler.touch()) share_corners(patches, flat);
+  if (tiler.merges() && tiler.touch()) share_corners(flat);
   parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      result[k] = tiler.make(cell(k), patches[k], flat[k]);
-      patches[k] = flat[k] = {};  // here, because freeing all at once takes 0.1 s
+      result[k] = tiler.make(cell(k), patches[k], std::move(flat[k]));
+      patches[k] = {};  // here, because freeing all at once takes 0.1 s
     }
   });
   return result;

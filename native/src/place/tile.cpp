@@ -2,8 +2,9 @@
 #include "place/tile.hpp"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
+#include <span>
+#include <utility>
 
 #include "base/elementary.hpp"
 #include "surface/border_loops.hpp"
@@ -36,6 +37,7 @@ class CornerSets {
     const std::size_t size = first_[polygon + 1] - first_[polygon];
     return first_[polygon] + k % size;
   }
+  [[nodiscard]] std::size_t size() const { return parent_.size(); }
   std::size_t find(std::size_t corner) {
     while (parent_[corner] != corner) corner = parent_[corner] = parent_[parent_[corner]];
     return corner;
@@ -53,22 +55,38 @@ class CornerSets {
 
 /// One run of a polygon along an edge.
 struct EdgeUse {
+  std::int32_t low, high;  // vertices
   std::size_t polygon, k;
   bool upward;  // whether it runs from the lower vertex to the higher one
+  auto operator<=>(const EdgeUse&) const = default;
+
+  [[nodiscard]] bool same_edge(const EdgeUse& other) const {
+    return low == other.low && high == other.high;
+  }
 };
 
-std::map<std::pair<std::int32_t, std::int32_t>, std::vector<EdgeUse>> edge_uses(
-    const Patch& patch) {
-  std::map<std::pair<std::int32_t, std::int32_t>, std::vector<EdgeUse>> result;
+/// Sorted, so that those of one edge are consecutive.
+std::vector<EdgeUse> edge_uses(const Patch& patch) {
+  std::vector<EdgeUse> result;
   for (std::size_t p = 0; p < patch.polygons.size(); ++p) {
     const Corners& corners = patch.polygons[p].corners;
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const std::int32_t a = corners[k];
       const std::int32_t b = corners[(k + 1) % corners.size()];
-      result[{std::min(a, b), std::max(a, b)}].push_back({p, k, a < b});
+      result.push_back({std::min(a, b), std::max(a, b), p, k, a < b});
     }
   }
+  std::sort(result.begin(), result.end());
   return result;
+}
+
+/// Call visit(uses) for each edge.
+template <typename Visit>
+void for_each_edge(std::span<const EdgeUse> uses, const Visit& visit) {
+  for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
+    while (end < uses.size() && uses[end].same_edge(uses[begin])) ++end;
+    visit(uses.subspan(begin, end - begin));
+  }
 }
 
 /// The half-edge mesh of a separated patch; handles of vertices and faces are indices of the patch.
@@ -176,15 +194,6 @@ std::vector<bool> in_straight_edges(const Patch& patch) {
   return result;
 }
 
-void drop_vertices(Patch& patch, const std::vector<bool>& dropped) {
-  for (PatchPolygon& polygon : patch.polygons) {
-    const auto is_dropped = [&](std::int32_t v) { return dropped[static_cast<std::size_t>(v)]; };
-    if (std::count_if(polygon.corners.begin(), polygon.corners.end(), is_dropped) + 3 <=
-        static_cast<std::ptrdiff_t>(polygon.corners.size()))
-      std::erase_if(polygon.corners, is_dropped);
-  }
-}
-
 /// The offset of each vertex that raises the polygons around it by 1. It points along the mean of
 /// their normals and is longer where the normals differ.
 std::vector<Vec3> lifts(const Patch& patch) {
@@ -222,75 +231,23 @@ void add_bottom(const Patch& patch, std::int32_t offset, TileMesh& result) {
   }
 }
 
-/// Add a wall under every edge of a border loop, facing outward.
+/// Add a wall under every edge of a border loop, facing outward, in the order of the polygons.
 void add_walls(const Patch& patch, std::int32_t offset, TileMesh& result) {
-  const PolygonMesh mesh = half_edge_mesh(patch);
-  for (const auto edge : mesh.halfedges()) {
-    if (mesh.is_boundary(edge) || !mesh.is_boundary(mesh.opposite_halfedge_handle(edge))) continue;
-    const std::int32_t a = mesh.from_vertex_handle(edge).idx();
-    const std::int32_t b = mesh.to_vertex_handle(edge).idx();
-    result.patch.polygons.push_back(
-        {{a + offset, b + offset, b, a}, patch.polygons[index_of(mesh, edge)].face});
+  std::vector<std::pair<std::size_t, std::size_t>> walls;  // polygons and their edges
+  for_each_edge(edge_uses(patch), [&](std::span<const EdgeUse> uses) {
+    if (uses.size() == 1) walls.emplace_back(uses[0].polygon, uses[0].k);
+  });
+  std::sort(walls.begin(), walls.end());
+  for (const auto& [p, k] : walls) {
+    const auto& [corners, face] = patch.polygons[p];
+    const std::int32_t a = corners[k];
+    const std::int32_t b = corners[(k + 1) % corners.size()];
+    result.patch.polygons.push_back({{a + offset, b + offset, b, a}, face});
     result.sides.push_back(TileSide::kWall);
   }
 }
 
-}  // namespace
-
-Vec3 twice_area_vector(const Patch& patch, const PatchPolygon& polygon) {
-  Vec3 result = Vec3::Zero();
-  const Vec3& first = point(patch, polygon.corners[0]);
-  for (std::size_t k = 2; k < polygon.corners.size(); ++k)
-    result += (point(patch, polygon.corners[k - 1]) - first)
-                  .cross(point(patch, polygon.corners[k]) - first);
-  return result;
-}
-
-Patch apart(const Patch& patch) {
-  CornerSets sets(patch);
-  for (const auto& [edge, uses] : edge_uses(patch)) {
-    if (uses.size() != 2 || uses[0].upward == uses[1].upward) continue;
-    const auto& [p, k, unused] = uses[0];
-    const auto& [q, l, also_unused] = uses[1];
-    sets.unite(sets.corner(p, k), sets.corner(q, l + 1));
-    sets.unite(sets.corner(p, k + 1), sets.corner(q, l));
-  }
-  Patch result;
-  std::map<std::size_t, std::int32_t> vertices;
-  for (std::size_t p = 0; p < patch.polygons.size(); ++p) {
-    PatchPolygon polygon = patch.polygons[p];
-    for (std::size_t k = 0; k < polygon.corners.size(); ++k) {
-      const auto [found, isnew] = vertices.try_emplace(
-          sets.find(sets.corner(p, k)), static_cast<std::int32_t>(result.points.size()));
-      if (isnew) result.points.push_back(point(patch, polygon.corners[k]));
-      polygon.corners[k] = found->second;
-    }
-    result.polygons.push_back(std::move(polygon));
-  }
-  return result;
-}
-
-Patch merged(const Patch& patch, const std::function<bool(const Vec3&)>& stays) {
-  const PolygonMesh mesh = half_edge_mesh(patch);
-  const FlatSets flat(patch, mesh);
-  Patch result{patch.points, {}};
-  for (const auto& members : flat.sets()) {
-    Corners loop = members.size() > 1 ? outline(mesh, flat, members) : Corners();
-    if (!loop.empty())
-      result.polygons.push_back({std::move(loop), patch.polygons[members.front()].face});
-    else
-      for (const std::size_t p : members) result.polygons.push_back(patch.polygons[p]);
-  }
-  std::vector<bool> dropped = in_straight_edges(result);
-  if (stays)
-    for (std::size_t v = 0; v < dropped.size(); ++v)
-      if (dropped[v]) dropped[v] = !stays(result.points[v]);
-  drop_vertices(result, dropped);
-  return apart(result);  // removes unused vertices
-}
-
-PatchTopology topology_of(const Patch& patch) {
-  const PolygonMesh mesh = half_edge_mesh(patch);
+PatchTopology topology_of(const Patch& patch, const PolygonMesh& mesh) {
   PatchTopology result;
   result.loops = count_border_loops(mesh);
   std::vector<bool> reached(patch.polygons.size(), false);
@@ -310,6 +267,75 @@ PatchTopology topology_of(const Patch& patch) {
     }
   }
   return result;
+}
+
+}  // namespace
+
+Vec3 twice_area_vector(const Patch& patch, const PatchPolygon& polygon) {
+  Vec3 result = Vec3::Zero();
+  const Vec3& first = point(patch, polygon.corners[0]);
+  for (std::size_t k = 2; k < polygon.corners.size(); ++k)
+    result += (point(patch, polygon.corners[k - 1]) - first)
+                  .cross(point(patch, polygon.corners[k]) - first);
+  return result;
+}
+
+Patch apart(const Patch& patch) {
+  CornerSets sets(patch);
+  for_each_edge(edge_uses(patch), [&](std::span<const EdgeUse> uses) {
+    if (uses.size() != 2 || uses[0].upward == uses[1].upward) return;
+    const EdgeUse &one = uses[0], &other = uses[1];
+    sets.unite(sets.corner(one.polygon, one.k), sets.corner(other.polygon, other.k + 1));
+    sets.unite(sets.corner(one.polygon, one.k + 1), sets.corner(other.polygon, other.k));
+  });
+  Patch result;
+  std::vector<std::int32_t> vertices(sets.size(), -1);  // of the sets
+  result.polygons.reserve(patch.polygons.size());
+  for (std::size_t p = 0; p < patch.polygons.size(); ++p) {
+    PatchPolygon polygon = patch.polygons[p];
+    for (std::size_t k = 0; k < polygon.corners.size(); ++k) {
+      std::int32_t& vertex = vertices[sets.find(sets.corner(p, k))];
+      if (vertex < 0) {
+        vertex = static_cast<std::int32_t>(result.points.size());
+        result.points.push_back(point(patch, polygon.corners[k]));
+      }
+      polygon.corners[k] = vertex;
+    }
+    result.polygons.push_back(std::move(polygon));
+  }
+  return result;
+}
+
+FlatPatch flattened(const Patch& patch, bool merge) {
+  const PolygonMesh mesh = half_edge_mesh(patch);
+  FlatPatch result{{patch.points, {}}, {}, topology_of(patch, mesh)};
+  if (!merge) {
+    result.patch.polygons = patch.polygons;
+    result.straight.assign(patch.points.size(), false);
+    return result;
+  }
+  const FlatSets flat(patch, mesh);
+  for (const auto& members : flat.sets()) {
+    Corners loop = members.size() > 1 ? outline(mesh, flat, members) : Corners();
+    if (!loop.empty())
+      result.patch.polygons.push_back({std::move(loop), patch.polygons[members.front()].face});
+    else
+      for (const std::size_t p : members) result.patch.polygons.push_back(patch.polygons[p]);
+  }
+  result.straight = in_straight_edges(result.patch);
+  return result;
+}
+
+std::vector<std::int32_t> kept_corners(const FlatPatch& flat, const PatchPolygon& polygon) {
+  Corners kept;
+  for (const std::int32_t v : polygon.corners)
+    if (!flat.straight[static_cast<std::size_t>(v)]) kept.push_back(v);
+  return kept.size() < 3 ? polygon.corners : kept;
+}
+
+Patch without_straight(FlatPatch flat) {
+  for (PatchPolygon& polygon : flat.patch.polygons) polygon.corners = kept_corners(flat, polygon);
+  return apart(flat.patch);  // removes unused vertices
 }
 
 TileMesh raised(const Patch& patch, double thickness) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dapple/mosaic.hpp>
-#include <functional>
+#include <vector>
 
 #include "place/patch.hpp"
 
@@ -12,18 +12,31 @@ namespace dapple {
 /// and along edges where three or more meet or two have opposite orientation.
 [[nodiscard]] Patch apart(const Patch& patch);
 
-/// The same with the polygons of one plane merged into one, unless the result has a hole or touches
-/// itself, and without vertices in the middle of straight edges, except those that must stay.
-/// \param stays  whether a point must stay; null: none must
-[[nodiscard]] Patch merged(const Patch& patch,
-                           const std::function<bool(const Vec3&)>& stays = nullptr);
-
 /// The connectivity of a manifold patch.
 struct PatchTopology {
   std::int32_t parts = 0;
   std::int32_t loops = 0;
 };
-[[nodiscard]] PatchTopology topology_of(const Patch& patch);
+
+/// A manifold patch before vertices in the middle of straight edges are removed.
+struct FlatPatch {
+  Patch patch;
+  std::vector<bool> straight;  ///< per point, whether it lies in the middle of straight edges only
+  PatchTopology topology;
+};
+
+/// The same with the polygons of one plane merged into one, unless the result has a hole or touches
+/// itself.
+/// \param patch separated, see apart()
+/// \param merge whether to merge; otherwise no point counts as straight
+[[nodiscard]] FlatPatch flattened(const Patch& patch, bool merge);
+
+/// A polygon without straight vertices; all of its corners if fewer than three would remain.
+[[nodiscard]] std::vector<std::int32_t> kept_corners(const FlatPatch& flat,
+                                                     const PatchPolygon& polygon);
+
+/// The patch without straight vertices and points that no polygon uses.
+[[nodiscard]] Patch without_straight(FlatPatch flat);
 
 /// Twice the area times the normal of a polygon that may be slightly bent.
 [[nodiscard]] Vec3 twice_area_vector(const Patch& patch, const PatchPolygon& polygon);
