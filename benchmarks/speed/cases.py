@@ -134,17 +134,22 @@ def _stippled(side: int, count: int) -> Make:
 
 
 def _tracked(count: int) -> Make:
+    """A frame while waves run over the surface; they are there from the first frame on."""
+
     def make(seed: int) -> Run:
         vertices, faces = torus(*_TRACKED)
-        surface = dapple.Surface(vertices, faces)
-        samples = dapple.sample(surface, count, seed=seed)
-        tracker = dapple.Tracker(surface, samples)
-        time = iter(np.arange(1, 10_000) * 0.05)
+        time = iter(np.arange(10_000) * 0.05)
+
+        def bent() -> Array:
+            moved = vertices.copy()
+            moved[:, 2] += 0.2 * np.sin(3 * vertices[:, 0] + next(time))
+            return moved
+
+        surface = dapple.Surface(bent(), faces)
+        tracker = dapple.Tracker(surface, dapple.sample(surface, count, seed=seed))
 
         def frame() -> dapple.Report:
-            bent = vertices.copy()
-            bent[:, 2] += 0.2 * np.sin(3 * vertices[:, 0] + next(time))
-            tracker.advance(bent)
+            tracker.advance(bent())
             return tracker.samples.report
 
         return frame
