@@ -30,6 +30,7 @@ class Anchoring {
   Anchoring(const RestrictedVoronoi& start, Vectors anchors, double scale, const Hold& hold);
 
   [[nodiscard]] bool empty() const { return anchors_.empty(); }
+  [[nodiscard]] bool ties_neighbors() const { return !neighbors_.empty(); }
   /// The part of a site, with half of each of its pairs.
   [[nodiscard]] double energy(const Vectors& positions, std::size_t k) const;
   [[nodiscard]] Vec3 gradient(const Vectors& positions, std::size_t k) const;

@@ -156,21 +156,25 @@ void GaussNewton::add_blocks() {
   }
 }
 
-Tangent GaussNewton::pull_of_neighbors(const TangentVectors& v, std::size_t k) const {
+Tangent GaussNewton::pull_of_neighbors(std::size_t k) const {
   Vec3 sum = Vec3::Zero();
   for (const std::int32_t neighbor : anchoring_->neighbors(k)) {
     const auto j = static_cast<std::size_t>(neighbor);
-    sum += to_space(bases_[j], v[j], anchoring_->stiffness(k, j));
+    sum += anchoring_->stiffness(k, j) * in_space_[j];
   }
   return to_tangent(bases_[k], sum, 2.0 / unit_);
 }
 
 void GaussNewton::apply(const TangentVectors& v, const Trust& trust, TangentVectors& result) {
   const bool subtracts = subtracts_boundaries(trust);
+  const bool ties = anchoring_->ties_neighbors();
+  in_space_.resize(ties ? v.size() : 0);
+  for_each_vector(in_space_.size(),
+                  [&](std::size_t k) { in_space_[k] = to_space(bases_[k], v[k], 1.0); });
   parallel_chunks(v.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       Tangent sum = (trust.delta * masses_[k] + (held_.empty() ? 0.0 : held_[k])) * v[k];
-      if (!held_.empty()) sum += -pull_of_neighbors(v, k);
+      if (ties) sum += -pull_of_neighbors(k);
       for (const Springs* springs : {&pairs_, &contacts_})
         for (const Side& side : springs->of(k))
           sum += (side.own.dot(v[k]) - side.others.dot(v[static_cast<std::size_t>(side.other)])) *

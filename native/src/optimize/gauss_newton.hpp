@@ -95,7 +95,8 @@ class GaussNewton {
     return trust.boundaries > 0.0 && has_boundaries();
   }
   void apply(const TangentVectors& v, const Trust& trust, TangentVectors& result);
-  [[nodiscard]] Tangent pull_of_neighbors(const TangentVectors& v, std::size_t k) const;
+  /// Of the anchoring, toward the moves in_space_.
+  [[nodiscard]] Tangent pull_of_neighbors(std::size_t k) const;
   void precondition(const Trust& trust);
 
   int steps_ = 0;
@@ -114,6 +115,7 @@ class GaussNewton {
   // Of conjugate gradients.
   std::vector<TangentBlock> inverse_;  // of the diagonal blocks; nothing where a site is locked
   TangentVectors x_, residual_, preconditioned_, direction_, applied_;
+  Vectors in_space_;            // the vectors that H is applied to; empty: no neighbors are tied
   std::vector<double> change_;  // of capacities
   bool indefinite_ = false;
 };
