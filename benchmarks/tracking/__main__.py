@@ -108,6 +108,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--faces", type=int, default=FACES, help="of a generated body, about")
     parser.add_argument("--sites", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--loops", type=int, default=1, help="of each animation")
     parser.add_argument(
         "--drift",
         nargs="*",
@@ -128,8 +129,8 @@ def _options() -> argparse.Namespace:
     if options.quick:
         options.animations, options.drift = QUICK, []
         options.frames, options.faces, options.sites = 24, 3000, 500
-    if min(options.frames, options.faces, options.sites) < 1:
-        parser.error("--frames, --faces and --sites must be at least 1")
+    if min(options.frames, options.faces, options.sites, options.loops) < 1:
+        parser.error("--frames, --faces, --sites and --loops must be at least 1")
     return options
 
 
@@ -180,7 +181,10 @@ def _play_all(animation: Animation, sites: int, options: argparse.Namespace) -> 
     surface = dapple.Surface(animation.frames[0], animation.faces)
     start = dapple.sample(surface, sites, seed=options.seed, threads=1)
     advances = animation.period
-    runs = [play(animation, start, name, advances) for name in options.contenders]
+    runs = [
+        play(animation, start, name, advances * (1 if name == WINDOW else options.loops))
+        for name in options.contenders
+    ]
     if animation.name in options.drift:
         lasting = [name for name in options.contenders if name not in ("ride", WINDOW)]
         runs += [play(animation, start, name, STEADY) for name in lasting]

@@ -71,6 +71,13 @@ class Dapple:
         return Step(self._tracker.surface, samples, report.evaluations, report.parts)
 
 
+class Smoothed(Dapple):
+    """A Tracker whose neighbors slide alike, and whose samples return to the first pattern."""
+
+    def tracker(self, surface: dapple.Surface, samples: dapple.Samples) -> dapple.Tracker:
+        return dapple.Tracker(surface, samples, slide_smoothing=0.015, threads=1)
+
+
 class Calm(Dapple):
     """A Tracker whose samples return to the first pattern slowly, and are held a little."""
 
@@ -107,6 +114,7 @@ CONTENDERS: dict[str, Callable[[dapple.Surface, dapple.Samples], Contender]] = {
     "ride": Ride,
     "paper": Paper,
     "dapple": Dapple,
+    "smoothed": Smoothed,
     "calm": Calm,
     "alike": Alike,
 }

@@ -40,7 +40,7 @@ class Run:
     jerk_max: list[float] = field(default_factory=list)
     turn_max: list[float] = field(default_factory=list)
     jerk_p99: float | None = None  # of all samples on all frames
-    hysteresis: float | None = None  # mean distance from the start after one period
+    hysteresis: float | None = None  # mean distance from the start after the last loop
 
 
 def play(animation: Animation, samples: dapple.Samples, contender: str, advances: int) -> Run:
@@ -60,7 +60,7 @@ def play(animation: Animation, samples: dapple.Samples, contender: str, advances
         slide, jerk = _note(run, surface, samples, slide, ridden, step)
         jerks.append(jerk)
         surface, samples = step.surface, step.samples
-        if advance == animation.period:
+        if advance % animation.period == 0:
             way = np.linalg.norm(samples.positions - start, axis=1)
             run.hysteresis = float(way.mean()) / surface.spacing(len(start))
     run.jerk_p99 = float(np.quantile(np.concatenate(jerks), 0.99))

@@ -54,7 +54,9 @@ def energy_off(run: Run) -> Array:
 COLUMNS = [
     Column("e off", lambda run: float(energy_off(run).max()), 4, 0.002),
     Column("alpha min", lambda run: min(run.alpha_min), 3, 0.6, at_least=True),
+    Column("alpha min mean", lambda run: float(np.mean(run.alpha_min))),
     Column("variation", lambda run: max(run.capacity_variation), 4, 0.01),
+    Column("variation mean", lambda run: float(np.mean(run.capacity_variation)), 4),
     Column("slide mean", lambda run: float(np.mean(run.slide_mean)), 3, 0.15),
     Column("slide max", lambda run: max(run.slide_max), 3, 0.5),
     Column("jerk mean", lambda run: float(np.mean(run.jerk_mean))),
