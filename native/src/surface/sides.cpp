@@ -323,6 +323,22 @@ class Sides {
   std::vector<bool> narrow_;          // per ordered face, whether it belongs to a narrow rim
 };
 
+/// Per ordered vertex, its place. Doubled faces connect nothing, so their corners are not welded to
+/// those of the faces that they lie on.
+std::vector<std::int32_t> places_of(const Connectivity& mesh) {
+  Sets sets(mesh.welded_vertex.size());
+  for (std::size_t v = 0; v < mesh.welded_vertex.size(); ++v)
+    sets.join(static_cast<std::int32_t>(v), mesh.welded_vertex[v]);
+  for (const DoubledFace& doubled : mesh.doubled)
+    for (std::size_t k = 0; k < 3; ++k)
+      sets.join(mesh.faces[as_index(doubled.face)][k],
+                mesh.faces[as_index(doubled.counted)][doubled.corners[k]]);
+  std::vector<std::int32_t> result(mesh.welded_vertex.size());
+  for (std::size_t v = 0; v < result.size(); ++v)
+    result[v] = sets.find(static_cast<std::int32_t>(v));
+  return result;
+}
+
 /// The surface with these components.
 Surface divide(const Surface& surface, const std::vector<std::int32_t>& components,
                Context* context) {
@@ -339,7 +355,7 @@ Surface divide(const Surface& surface, const std::vector<std::int32_t>& componen
           first;
     }
   const std::vector<std::int32_t> places =
-      scatter<std::int32_t>(known.welded_vertex, known.original_vertex);
+      scatter<std::int32_t>(places_of(known), known.original_vertex);
   return {surface.vertices(),
           surface.faces(),
           Density{surface.density_at(), surface.density()},

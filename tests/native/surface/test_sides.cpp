@@ -72,6 +72,26 @@ TEST(Sides, APlateHasTwoHoweverFewItsFacesAre) {
   }
 }
 
+TEST(Sides, DoubledFacesOfAWallCountOnce) {
+  // The upper side twice, with vertices of its own.
+  Shape shape = plate(7);
+  const Shape once = shape;
+  const auto behind = static_cast<std::int32_t>(once.vertices.size());
+  shape.vertices.insert(shape.vertices.end(), once.vertices.begin(), once.vertices.end());
+  for (const auto& [a, b, c] : once.faces)
+    if (once.vertices[static_cast<std::size_t>(a)].z() > 0.0019 &&
+        once.vertices[static_cast<std::size_t>(b)].z() > 0.0019 &&
+        once.vertices[static_cast<std::size_t>(c)].z() > 0.0019)
+      shape.faces.push_back({a + behind, b + behind, c + behind});
+  const Surface surface = shape.surface();
+  ASSERT_EQ(surface.doubled_faces(), 98);
+  const auto sided = with_sides(surface, 500);
+  ASSERT_NE(sided, nullptr);
+  EXPECT_EQ(sided->all.doubled_faces(), surface.doubled_faces());
+  EXPECT_NEAR(sided->all.area(), once.surface().area(), 1e-12);
+  EXPECT_LE(sample(surface, 500).report.evenness.capacity_variation, 0.01);
+}
+
 TEST(Sides, ASurfaceWithoutThinWallsStaysAsItIs) {
   for (const Shape& shape : all_shapes())
     if (shape.name != "TwoSheets") {
