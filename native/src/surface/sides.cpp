@@ -16,6 +16,7 @@
 #include "base/vectors.hpp"
 #include "surface/opposite_points.hpp"
 #include "surface/ordered_surface.hpp"
+#include "surface/sheets.hpp"
 
 namespace dapple {
 namespace {
@@ -377,12 +378,10 @@ Surface without_rims(const Surface& surface, const std::vector<bool>& rims) {
   return surface.with_density({DensityAt::kCorners, density});
 }
 
-}  // namespace
-
-std::shared_ptr<const SidedSurface> with_sides(const Surface& surface, std::size_t count,
+/// The surface whose walls have two sides; null where there is no wall.
+std::shared_ptr<const SidedSurface> with_walls(const Surface& surface, std::size_t count,
                                                Context* context) {
   const auto cells = static_cast<double>(count);
-  if (cells < 2.0 * kFewest) return nullptr;
   const double spacing = surface.spacing(count);
   if (!may_have_walls(surface, spacing, cells)) return nullptr;
   Sides sides(surface, spacing, context);
@@ -393,11 +392,25 @@ std::shared_ptr<const SidedSurface> with_sides(const Surface& surface, std::size
   return std::make_shared<const SidedSurface>(all, rims, without_rims(all, rims));
 }
 
+}  // namespace
+
+std::shared_ptr<const SidedSurface> with_sides(const Surface& surface, std::size_t count,
+                                               Context* context) {
+  const auto cells = static_cast<double>(count);
+  if (cells < 2.0 * kFewest) return nullptr;
+  const std::vector<std::int32_t> sheets = components_of_sheets(surface, cells, context);
+  if (sheets.empty()) return with_walls(surface, count, context);
+  const Surface apart = divide(surface, sheets, context);
+  const auto walls = with_walls(apart, count, context);
+  return walls ? walls : std::make_shared<const SidedSurface>(apart, std::vector<bool>{}, apart);
+}
+
 std::shared_ptr<const SidedSurface> with_sides_of(const SidedSurface& known,
                                                   const Surface& surface) {
   const Surface all = known.all.deformed(surface.vertices())
                           .with_density(Density{surface.density_at(), surface.density()});
-  return std::make_shared<const SidedSurface>(all, known.rims, without_rims(all, known.rims));
+  return std::make_shared<const SidedSurface>(
+      all, known.rims, known.rims.empty() ? all : without_rims(all, known.rims));
 }
 
 }  // namespace dapple
