@@ -35,10 +35,15 @@ struct Planes {
   }
 };
 
+/// Least room of two sites that can move apart along the surface. Those on the two sides of a thin
+/// edge have less: they would have to move far for a little more distance.
+inline constexpr double kRoomAlong = 0.5;
+
 /// Add a contact, unless none of the two can move apart.
 /// \param d from j to i; not zero
+/// \param least_room contacts with less room are not added
 void add_contact(const Planes& planes, std::size_t i, std::size_t j, const Vec3& d, double least,
-                 double nearly, std::vector<Contact>& contacts);
+                 double nearly, std::vector<Contact>& contacts, double least_room = 0.0);
 
 /// Change moves so that the sites of each contact keep their least distance, to first order: errors
 /// of a step along a curved surface are left to the next step. Each contact restricts the moves to

@@ -19,7 +19,6 @@ constexpr double kFew = 0.05;     // share of the sites that may be that near
 constexpr int kRings = 2;         // of neighbors that make room
 constexpr int kPushes = 8;        // until no pair is too near
 constexpr double kNearly = 1e-3;  // of the distance: what a push may leave
-constexpr double kRoom = 0.5;     // of a contact; pairs on the two sides of a thin edge have less
 constexpr double kWorse = 1.05;   // factor by which pushes may raise the capacity variation
 constexpr double kEven = 0.008;   // or up to this
 constexpr int kRounds = 2;        // evaluations; places that cost too much are left out next time
@@ -66,8 +65,7 @@ bool add_pair(const Planes& planes, const Pair& pair, const Vec3& offset, double
               std::vector<Contact>& contacts) {
   if (!(offset.squaredNorm() > 0.0)) return false;
   const std::size_t before = contacts.size();
-  add_contact(planes, pair.i, pair.j, offset, least, kNearly * least, contacts);
-  if (contacts.size() > before && contacts.back().room < kRoom) contacts.pop_back();
+  add_contact(planes, pair.i, pair.j, offset, least, kNearly * least, contacts, kRoomAlong);
   return contacts.size() > before;
 }
 

@@ -201,7 +201,7 @@ std::vector<Contact> crowded_contacts(const RestrictedVoronoi& diagram,
   const auto keep = [&](std::size_t i, std::size_t j, const Vec3& d) {
     const double least = least_distance(radii[i], radii[j]);
     if (d.squaredNorm() > 0.0 && (d + moves[i] - moves[j]).norm() <= (1.0 + kBeyond) * least)
-      add_contact(planes, i, j, d, least, kNearly * least, contacts);
+      add_contact(planes, i, j, d, least, kNearly * least, contacts, kRoomAlong);
   };
   for (const std::size_t i : around)
     for (const CellBoundary& side : diagram.boundary(i)) {

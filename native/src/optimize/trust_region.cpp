@@ -29,6 +29,7 @@ constexpr int kExactSteps = 60;     // the long waves that a deformation causes 
 constexpr int kPasses = 3;          // over the pairs that a step brings too close
 constexpr double kMostHeld = 0.25;  // share of the sites that may be held back for that
 constexpr double kRounding = 1e-12;  // relative rounding error of a shortened move
+constexpr double kSlopeLeft = 0.5;   // share of its slope that a step keeps when it separates sites
 constexpr double kFewTooFar = 0.05;  // share of all sites: if so few go too far, only they are cut
 
 /// Shortens moves that bring sites too close. It is skipped if many moves would be shortened, as in
@@ -133,7 +134,13 @@ Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
     if ((excess <= 1.0 + kRounding && descends && !overshoots) || trust_.delta > kMost) {
       if (objective.holds_discs) hold_discs(objective, state, direction);
       direction = keep_apart(objective, state, std::move(direction));
-      if (separates_) separate_crowded(objective, state, direction);
+      if (separates_) {
+        // In a groove sites are near others that no short move leads away from.
+        Vectors apart = direction;
+        separate_crowded(objective, state, apart);
+        if (dot(apart, state.gradient) <= kSlopeLeft * dot(direction, state.gradient))
+          direction.swap(apart);
+      }
       if (objective.holds_discs)
         keep_discs_apart(discs_of(objective, state), objective.locked, direction);
       if (objective.mirror) restrict(direction);

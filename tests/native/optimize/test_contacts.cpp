@@ -57,6 +57,19 @@ TEST(Contacts, KeepLockedSitesInPlace) {
   EXPECT_NEAR(moves[1].x(), -0.2, 1e-12);
 }
 
+TEST(Contacts, AreNoneAcrossAThinEdge) {
+  const Vectors normals{Vec3(0.0, 0.3, 1.0).normalized(), Vec3(0.0, 0.3, -1.0).normalized(),
+                        Vec3::UnitY()};
+  const Planes planes{normals, {}};
+  std::vector<Contact> contacts;
+  add_contact(planes, 0, 1, 0.1 * Vec3::UnitZ(), 0.2, 1e-9, contacts, kRoomAlong);
+  EXPECT_TRUE(contacts.empty());
+  add_contact(planes, 0, 1, 0.1 * Vec3::UnitZ(), 0.2, 1e-9, contacts);
+  EXPECT_EQ(contacts.size(), 1u);
+  add_contact(planes, 0, 2, 0.1 * Vec3::UnitX(), 0.2, 1e-9, contacts, kRoomAlong);
+  EXPECT_EQ(contacts.size(), 2u);
+}
+
 /// Of an even pattern, a move that would bring one site near to another is changed, and no other.
 TEST(CrowdedContacts, ChangeOnlyMovesThatWouldCrowd) {
   const Surface surface = blob(4).surface();
@@ -85,6 +98,21 @@ TEST(CrowdedContacts, AreNoneWhereManySitesAreNear) {
                                std::vector<double>(1000, 0.72 * random.report.spacing),
                                random.normals, {}, Vectors(1000, Vec3::Zero()))
                   .empty());
+}
+
+/// On the two sides of a ridge, and in a groove, sites are near others that they cannot leave.
+TEST(Samples, AreEvenOnSharpFolds) {
+  double sum = 0.0;
+  for (const double height : {0.4, 0.5}) {
+    const Surface surface = mapped(grid(48), [=](const Vec3& p) {
+                              const double along = std::fmod(4.0 * p.x(), 1.0);
+                              return Vec3(p.x(), p.y(), height * std::abs(2.0 * along - 1.0));
+                            }).surface();
+    for (const std::size_t count : {500, 1000})
+      for (const std::uint64_t seed : {0, 1, 2, 3, 4, 5})
+        sum += sample(surface, count, {.seed = seed}).report.evenness.capacity_variation;
+  }
+  EXPECT_LE(sum / 24.0, 0.0085);
 }
 
 /// Where the density rises quickly, a site in the sparse part has near ones on the dense side.
