@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <tuple>
@@ -93,7 +94,7 @@ class SheetFinder {
   [[nodiscard]] double length(std::int32_t h) const {
     const Face& corners = mesh_.corners(face_of(h));
     return (mesh_.vertex(corners[as_size(h % 3)]) - mesh_.vertex(corners[as_size((h + 1) % 3)]))
-        .norm();
+        .stableNorm();
   }
 
   void meet() {
@@ -149,7 +150,8 @@ class SheetFinder {
   /// Connect sheets that continue each other, the straightest first.
   void join_straightest() {
     std::vector<std::tuple<std::int64_t, std::int32_t, std::int32_t>> order;
-    double longest = 0.0;
+    order.reserve(meetings_.size());
+    double longest = std::numeric_limits<double>::min();  // faces may all lie on each other
     for (const auto& [_, meeting] : meetings_) longest = std::max(longest, meeting.straight);
     for (const auto& [sheets, meeting] : meetings_)
       order.emplace_back(-std::llround(kSteps * (meeting.straight / longest)), sheets.first,

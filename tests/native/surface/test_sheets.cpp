@@ -99,6 +99,15 @@ TEST(Sheets, FacesWithoutAreaAtTheirEdgeChangeNothing) {
   EXPECT_EQ(sheets(shape, 300), 2);
 }
 
+TEST(Sheets, FacesThatAllLieOnEachOtherStayConnected) {
+  Shape shape = grid(6);
+  const std::vector<Face> once = shape.faces;
+  for (int k = 0; k < 2; ++k) shape.faces.insert(shape.faces.end(), once.begin(), once.end());
+  const Surface surface(shape.vertices, shape.faces, {}, {.merge_doubled = false});
+  EXPECT_EQ(surface.ordered().components(), 1);
+  EXPECT_EQ(with_sides(surface, 100), nullptr);
+}
+
 TEST(Sheets, ManyFacesAtOneEdgeStayConnected) {
   Shape shape = sheet(Vec3::UnitX());
   for (int k = 1; k < 20; ++k) {
