@@ -308,7 +308,9 @@ Patch apart(const Patch& patch) {
 
 FlatPatch flattened(const Patch& patch, bool merge) {
   const PolygonMesh mesh = half_edge_mesh(patch);
-  FlatPatch result{{patch.points, {}}, {}, topology_of(patch, mesh)};
+  FlatPatch result;  // member by member: GCC 12 frees the first twice if a later one throws
+  result.topology = topology_of(patch, mesh);
+  result.patch.points = patch.points;
   if (!merge) {
     result.patch.polygons = patch.polygons;
     result.straight.assign(patch.points.size(), false);

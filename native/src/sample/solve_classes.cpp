@@ -285,6 +285,7 @@ int move_over(const ClassProblem& problem, const ClassOptions& options, ClassMin
               Context* context) {
   OptimizerOptions rest = options.sample.optimizer;
   double done = 0.0;
+  bool in_vain = false;  // whether the last moves did not lower the energy
   const auto is_not_even = [&] {
     return is_uneven(problem, rest, found.objective, found.minimum.state, kUneven);
   };
@@ -296,7 +297,7 @@ int move_over(const ClassProblem& problem, const ClassOptions& options, ClassMin
     const std::uint64_t seed = options.sample.seed + static_cast<std::uint64_t>(round);
     Evened start = evened(*problem.all, found.minimum.state.sites, seed, moving.context());
     const int evaluations = found.minimum.evaluations + start.evaluations;
-    const bool single = start.moved < kFewest;
+    const bool single = in_vain || start.moved < kFewest;
     if (single)
       start = is_uneven(problem, rest, found.objective, found.minimum.state, kTrading)
                   ? traded(*problem.all, found.minimum.state, seed)
@@ -310,12 +311,14 @@ int move_over(const ClassProblem& problem, const ClassOptions& options, ClassMin
     Minimum next = minimize(found.objective, start.sites, rest, stepping.context());
     found.minimum.evaluations = next.evaluations += evaluations;
     next.iterations += found.minimum.iterations;
-    if (!(next.state.total < found.minimum.state.total)) {
-      // Not even another start leads lower.
-      found.minimum.converged = found.minimum.converged || next.settled;
-      return single ? next.evaluations - evaluations : 0;
+    in_vain = !(next.state.total < found.minimum.state.total);
+    if (!in_vain) {
+      found.minimum = std::move(next);
+      continue;
     }
-    found.minimum = std::move(next);
+    // Not even another start leads lower.
+    found.minimum.converged = found.minimum.converged || next.settled;
+    if (single) return next.evaluations - evaluations;
   }
   return 0;
 }
