@@ -295,9 +295,11 @@ int move_over(const ClassProblem& problem, const ClassOptions& options, ClassMin
     const double moved = before + kMoving * (done - before);
     Stretch moving(context, before, moved), stepping(context, moved, done);
     const std::uint64_t seed = options.sample.seed + static_cast<std::uint64_t>(round);
-    Evened start = evened(*problem.all, found.minimum.state.sites, seed, moving.context());
+    Evened start = in_vain
+                       ? Evened{}
+                       : evened(*problem.all, found.minimum.state.sites, seed, moving.context());
     const int evaluations = found.minimum.evaluations + start.evaluations;
-    const bool single = in_vain || start.moved < kFewest;
+    const bool single = start.moved < kFewest;
     if (single)
       start = is_uneven(problem, rest, found.objective, found.minimum.state, kTrading)
                   ? traded(*problem.all, found.minimum.state, seed)
