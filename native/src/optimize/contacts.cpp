@@ -8,13 +8,14 @@ constexpr int kSweeps = 20;
 
 }  // namespace
 
-void add_contact(const Planes& planes, std::size_t i, std::size_t j, const Vec3& d, double least,
+bool add_contact(const Planes& planes, std::size_t i, std::size_t j, const Vec3& d, double least,
                  double nearly, std::vector<Contact>& contacts, double least_room) {
   const double distance = d.norm();
   const Vec3 at_i = planes.part(i, d / distance), at_j = planes.part(j, d / distance);
   const double room = at_i.squaredNorm() + at_j.squaredNorm();
-  if (room > 0.0 && room >= least_room)
-    contacts.push_back({i, j, distance - least, at_i, at_j, room, nearly});
+  const bool enough = room > 0.0 && room >= least_room;
+  if (enough) contacts.push_back({i, j, distance - least, at_i, at_j, room, nearly});
+  return enough;
 }
 
 void separate(std::span<const Contact> contacts, Vectors& moves) {

@@ -42,7 +42,8 @@ inline constexpr double kRoomAlong = 0.5;
 /// Add a contact, unless none of the two can move apart.
 /// \param d from j to i; not zero
 /// \param least_room contacts with less room are not added
-void add_contact(const Planes& planes, std::size_t i, std::size_t j, const Vec3& d, double least,
+/// \return whether it was added
+bool add_contact(const Planes& planes, std::size_t i, std::size_t j, const Vec3& d, double least,
                  double nearly, std::vector<Contact>& contacts, double least_room = 0.0);
 
 /// Change moves so that the sites of each contact keep their least distance, to first order: errors

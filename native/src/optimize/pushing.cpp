@@ -63,10 +63,8 @@ std::vector<Pair> pairs_where(const Evaluation& state, const std::vector<double>
 /// Add a contact if the pair can move apart along the surface.
 bool add_pair(const Planes& planes, const Pair& pair, const Vec3& offset, double least,
               std::vector<Contact>& contacts) {
-  if (!(offset.squaredNorm() > 0.0)) return false;
-  const std::size_t before = contacts.size();
-  add_contact(planes, pair.i, pair.j, offset, least, kNearly * least, contacts, kRoomAlong);
-  return contacts.size() > before;
+  return offset.squaredNorm() > 0.0 &&
+         add_contact(planes, pair.i, pair.j, offset, least, kNearly * least, contacts, kRoomAlong);
 }
 
 /// Sites that are too near to others and can move apart.

@@ -310,12 +310,11 @@ FlatPatch flattened(const Patch& patch, bool merge) {
   const PolygonMesh mesh = half_edge_mesh(patch);
   FlatPatch result;  // member by member: GCC 12 frees the first twice if a later one throws
   result.topology = topology_of(patch, mesh);
-  result.patch.points = patch.points;
   if (!merge) {
-    result.patch.polygons = patch.polygons;
-    result.straight.assign(patch.points.size(), false);
+    result.patch = patch;
     return result;
   }
+  result.patch.points = patch.points;
   const FlatSets flat(patch, mesh);
   for (const auto& members : flat.sets()) {
     Corners loop = members.size() > 1 ? outline(mesh, flat, members) : Corners();
@@ -336,6 +335,7 @@ std::vector<std::int32_t> kept_corners(const FlatPatch& flat, const PatchPolygon
 }
 
 Patch without_straight(FlatPatch flat) {
+  if (flat.straight.empty()) return std::move(flat.patch);
   for (PatchPolygon& polygon : flat.patch.polygons) polygon.corners = kept_corners(flat, polygon);
   return apart(flat.patch);  // removes unused vertices
 }

@@ -21,7 +21,8 @@ struct PatchTopology {
 /// A manifold patch before vertices in the middle of straight edges are removed.
 struct FlatPatch {
   Patch patch;
-  std::vector<bool> straight;  ///< per point, whether it lies in the middle of straight edges only
+  std::vector<bool> straight;  ///< per point, whether it lies in the middle of straight edges only;
+                               ///< empty if none counts as that
   PatchTopology topology;
 };
 

@@ -189,6 +189,13 @@ class OrderedSurface {
   return lowest;
 }
 
+/// The length of a half-edge.
+[[nodiscard]] inline double edge_length(const OrderedSurface& mesh, std::int32_t half_edge) {
+  const Face& corners = mesh.corners(face_of(half_edge));
+  const auto corner = [&](std::int32_t k) { return corners[static_cast<std::size_t>(k % 3)]; };
+  return (mesh.vertex(corner(half_edge)) - mesh.vertex(corner(half_edge + 1))).stableNorm();
+}
+
 /// The indices of a density's values in the caller's order, and how many go together.
 struct DensityLayout {
   const std::vector<std::int32_t>& order;

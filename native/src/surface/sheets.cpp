@@ -91,24 +91,15 @@ class SheetFinder {
     return {sets_.find(h / 3), (to - to.dot(along) * along).stableNormalized()};
   }
 
-  [[nodiscard]] double length(std::int32_t h) const {
-    const Face& corners = mesh_.corners(face_of(h));
-    return (mesh_.vertex(corners[as_size(h % 3)]) - mesh_.vertex(corners[as_size((h + 1) % 3)]))
-        .stableNorm();
-  }
-
   void meet() {
     std::vector<Side> around;
     for (std::int32_t h = 0; h < half_edges(); ++h) {
       check_at(context_, as_size(h));
-      if (!is_seam(h)) continue;
+      if (!is_seam(h) || edge_of(mesh_, h) != h) continue;
       around = {side(h)};
-      bool first = true;
-      for (std::int32_t g = mesh_.next_around(h); g != h && first; g = mesh_.next_around(g)) {
-        first = g > h;
+      for (std::int32_t g = mesh_.next_around(h); g != h; g = mesh_.next_around(g))
         around.push_back(side(g));
-      }
-      if (first) meet(around, length(h));
+      meet(around, edge_length(mesh_, h));
     }
   }
 

@@ -153,13 +153,6 @@ class Sides {
     [[nodiscard]] double width() const { return around > 0.0 ? 2.0 * area / around : 1e300; }
   };
 
-  [[nodiscard]] double length(std::int32_t h) const {
-    const Face& corners = mesh_.corners(face_of(h));
-    return (mesh_.vertex(corners[static_cast<std::size_t>(h % 3)]) -
-            mesh_.vertex(corners[static_cast<std::size_t>((h + 1) % 3)]))
-        .norm();
-  }
-
   /// The measurements of the parts, by label.
   [[nodiscard]] std::vector<Part> measure(const std::vector<std::int32_t>& label) const {
     std::vector<Part> parts(label.size());
@@ -171,7 +164,7 @@ class Sides {
       if (other != kNone && label[static_cast<std::size_t>(other)] == label[f])
         part.folded += mesh_.geometry(nth_face(f)).moments.area;
       for_each_neighbor(f, [&](std::size_t next, std::int32_t h, std::int32_t) {
-        if (label[next] != label[f]) part.around += length(h);
+        if (label[next] != label[f]) part.around += edge_length(mesh_, h);
       });
     }
     return parts;
