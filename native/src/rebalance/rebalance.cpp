@@ -24,8 +24,9 @@ namespace {
 constexpr std::ptrdiff_t kPatch = 8;  // sites of a neighborhood, which gets a number as a whole
 // The least surplus or deficit of a neighborhood that is corrected, in samples.
 constexpr double kLeastChange = 0.75;
-constexpr int kCandidates = 16;  // positions tried for a new site
-constexpr double kAround = 0.9;  // spacings from the host within which they lie
+constexpr double kRounding = 1e-9;  // of a sample
+constexpr int kCandidates = 16;     // positions tried for a new site
+constexpr double kAround = 0.9;     // spacings from the host within which they lie
 constexpr int kRounds = 40;  // each at most doubles or halves the sites; the last one does the rest
 constexpr double kWork = 15.0;       // inserting a site takes as long as this many cells
 constexpr std::size_t kGrain = 128;  // changes between two checks
@@ -42,8 +43,9 @@ std::ptrdiff_t rounded_toward(double x, std::ptrdiff_t change) {
 }
 
 /// Integers close to the given real numbers, with the same sum. Changes are rounded toward 0 unless
-/// the sum or a neighbor's gain requires more.
-std::vector<std::ptrdiff_t> whole_changes(const std::vector<double>& wanted) {
+/// the sum requires more, or the errors of two differ by more than `most`: with 1 they are the
+/// largest remainders.
+std::vector<std::ptrdiff_t> whole_changes(const std::vector<double>& wanted, double most) {
   std::vector<std::ptrdiff_t> result;
   std::set<std::pair<double, std::size_t>> rest;
   double sum = 0.0;
@@ -61,7 +63,7 @@ std::vector<std::ptrdiff_t> whole_changes(const std::vector<double>& wanted) {
   std::ptrdiff_t owed = rounded(sum);
   for (; owed > 0; --owed) change(std::prev(rest.end()), 1);
   for (; owed < 0; ++owed) change(rest.begin(), -1);
-  while (std::prev(rest.end())->first - rest.begin()->first > 2.0 * kLeastChange) {
+  while (std::prev(rest.end())->first - rest.begin()->first > most) {
     change(std::prev(rest.end()), 1);
     change(rest.begin(), -1);
   }
@@ -141,9 +143,11 @@ class Round {
   using Place = std::vector<std::int32_t>::const_iterator;
   using Queue = std::set<std::pair<double, std::size_t>>;
 
-  [[nodiscard]] std::size_t island(std::int32_t site) const {
-    const std::int32_t face = sites_.faces[static_cast<std::size_t>(site)];
+  [[nodiscard]] std::size_t island_of(std::int32_t face) const {
     return islands_.at(surface_.ordered().ordered_face(face));
+  }
+  [[nodiscard]] std::size_t island(std::int32_t site) const {
+    return island_of(sites_.faces[static_cast<std::size_t>(site)]);
   }
 
   // Islands do not exchange sites, so each gets its own number.
@@ -157,7 +161,8 @@ class Round {
       order_.insert(order_.end(), members.begin(), members.end());
     const std::vector<std::ptrdiff_t> held = count_held();
     const std::vector<std::ptrdiff_t> changes =
-        whole_changes(all_are_free() ? lacking(held) : lacking_among_free(held));
+        whole_changes(all_are_free() ? lacking(held) : lacking_among_free(held),
+                      is_spared() ? 2.0 * kLeastChange : 1.0 + kRounding);
     auto first = order_.begin();
     for (std::size_t c = 0; c < changes.size(); ++c) {
       const auto last = first + held[c];
@@ -367,7 +372,7 @@ class Round {
 
   /// Insert a site at the one of several positions around the host that is farthest from all sites.
   /// The distance is in spacings at the position; otherwise all sites would go to the side of lower
-  /// density at a jump.
+  /// density at a jump. Positions on other islands do not count: their sites are not near the host.
   void place_beside(std::size_t host) {
     const std::vector<Vec3> near = near_positions(host);
     const std::vector<Vec3> places = places_around(host);
@@ -376,6 +381,7 @@ class Round {
     std::size_t best = 0;
     double most = -1.0;
     for (std::size_t k = 0; k < found.size(); ++k) {
+      if (island_of(found.faces[k]) != island(static_cast<std::int32_t>(host))) continue;
       if (is_spared() && !is_in_cell(host, found.positions[k])) continue;
       const double room = density_at(found, k) * squared_distance(found.positions[k], near);
       if (room <= most) continue;
@@ -544,7 +550,7 @@ Rebalanced rebalance(const Domain& domain, const Sites& sites, std::size_t count
   Traced now = traced(sites);
   int evaluations = 0;
   const Surface sided = domain.sampling_surface(count);
-  const Islands islands(sided);
+  const std::shared_ptr<const Islands> islands = islands_of(sided);
   double done = 0.0;
   for (bool complete = false; !complete;) {
     const bool limited = ++evaluations < kRounds;
@@ -553,7 +559,7 @@ Rebalanced rebalance(const Domain& domain, const Sites& sites, std::size_t count
     Stretch dividing(left.context(), 0.0, cells / rebalancing_work(now.sites.size(), count));
     RestrictedVoronoi diagram = in_stage(
         context, Stage::kCells, [&] { return domain.cells(now.sites, dividing.context()); });
-    Round round(sided, islands, domain, now.sites, rule, std::move(diagram), limited, random,
+    Round round(sided, *islands, domain, now.sites, rule, std::move(diagram), limited, random,
                 left.context());
     const Passed passed = round.run();
     done += (1.0 - done) * round.progress();
@@ -568,10 +574,10 @@ Rebalanced move_between(const Domain& domain, const Sites& sites, const Restrict
                         const Exchange& places, std::uint64_t seed) {
   Random random(seed);
   const Surface sided = domain.sampling_surface(sites.size());
-  const Islands islands(sided);
+  const std::shared_ptr<const Islands> islands = islands_of(sided);
   const Rule rule{.count = sites.size()};
   Traced now = traced(sites);
-  apply(Round(sided, islands, domain, sites, rule, diagram, false, random, nullptr).run(places),
+  apply(Round(sided, *islands, domain, sites, rule, diagram, false, random, nullptr).run(places),
         now);
   return difference_of(now, 0);
 }
@@ -579,14 +585,14 @@ Rebalanced move_between(const Domain& domain, const Sites& sites, const Restrict
 Thinned thin_out(const Surface& surface, const Domain& domain, const Sites& sites, FreeSites part,
                  Context* context) {
   Random random(0);  // unused, because nothing is inserted
-  const Islands islands(surface);
+  const std::shared_ptr<const Islands> islands = islands_of(surface);
   Rule rule{.count = sites.size(), .free = std::move(part.free), .capacity = part.capacity};
   Traced now = traced(sites);
   Thinned result;
   for (bool complete = false; !complete;) {
     if (result.evaluations > 0) part.diagram = domain.cells(now.sites, nullptr);
     if (context) context->check();
-    const Passed passed = Round(surface, islands, domain, now.sites, rule, std::move(part.diagram),
+    const Passed passed = Round(surface, *islands, domain, now.sites, rule, std::move(part.diagram),
                                 ++result.evaluations < kRounds, random, nullptr)
                               .run();
     rule.free = left_of(rule.free, passed.alive);

@@ -47,7 +47,8 @@ Quality measure_class(const Objective& objective, const Minimum& found, std::siz
 double whole_count_variation(const Domain& domain, const Sites& sites) {
   const Surface surface = domain.sampling_surface(sites.size());
   if (surface.ordered().components() < 2 && !has_gaps(surface)) return 0.0;
-  const Islands islands(surface);
+  const std::shared_ptr<const Islands> known = islands_of(surface);
+  const Islands& islands = *known;
   if (islands.count() < 2 || sites.size() == 0) return 0.0;
   std::vector<double> counts(islands.count(), 0.0);
   for (const std::int32_t face : domain.to_sampling_surface(sites).faces)

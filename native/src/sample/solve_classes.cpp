@@ -35,7 +35,6 @@ constexpr std::size_t kLookedAt = 500;  // sites that are examined
 constexpr double kShell = 0.5;          // share of them that have the other side nearby
 constexpr std::size_t kNearest = 6;     // nearest sites in space, including the site itself
 constexpr double kOtherSide = -0.5;     // cosine between normals
-constexpr int kSettling = 2;  // times that the numbers of sites of neighborhoods are checked
 constexpr double kAlone =
     0.35;  // share of the progress after the start when each class is even on its own
 constexpr double kRound = 0.4;      // share of the remaining progress, as their number is unknown
@@ -192,16 +191,12 @@ int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites
     const std::vector<std::int32_t> members = numbers_from(first, member.count);
     first += static_cast<std::int32_t>(member.count);
     if (members.empty() || member.locked.size() > 0) continue;
-    Sites own = select(sites, members);
+    const Sites own = select(sites, members);
     const Surface surface = member.domain->sampling_surface(member.count);
-    int rounds = has_gaps(surface) ? kSettling : 0;
-    if (rounds == 0 && is_thin_shell(*member.domain, surface, own)) rounds = 1;
-    for (int round = 0; round < rounds; ++round) {
-      Evened next = evened(*member.domain, own, seed, context);
-      own = std::move(next.sites);
-      evaluations += next.evaluations;
-    }
-    put(sites, members, own);
+    if (!has_gaps(surface) && !is_thin_shell(*member.domain, surface, own)) continue;
+    const Evened next = evened(*member.domain, own, seed, context);
+    put(sites, members, next.sites);
+    evaluations += next.evaluations;
   }
   return evaluations;
 }

@@ -28,9 +28,11 @@ void subtract(std::vector<std::size_t>& quotas, const std::vector<std::size_t>& 
 }  // namespace
 
 DartBoard::DartBoard(const Surface& surface, std::size_t count, const std::vector<Dart>& taken)
-    : surface_(&surface), islands_(surface), places_(allot(islands_.capacities(), count)) {
+    : surface_(&surface),
+      islands_(islands_of(surface)),
+      places_(allot(islands_->capacities(), count)) {
   std::vector<std::size_t> held(places_.size(), 0);
-  for (const Dart& dart : taken) ++held[islands_.at(dart.face)];
+  for (const Dart& dart : taken) ++held[islands_->at(dart.face)];
   subtract(places_, held);
   sum_up();
 }
@@ -38,7 +40,7 @@ DartBoard::DartBoard(const Surface& surface, std::size_t count, const std::vecto
 DartBoard::Draw DartBoard::draw(Random& random) const {
   while (true) {
     const OrderedFace face = nth_face(face_at(random.uniform() * cumulative_.back()));
-    if (places_[islands_.at(face)] > 0) return draw_on(face, random);
+    if (places_[islands_->at(face)] > 0) return draw_on(face, random);
   }
 }
 
@@ -54,9 +56,9 @@ std::size_t DartBoard::face_at(double capacity) const {
 }
 
 bool DartBoard::take(const Dart& dart) {
-  const std::size_t c = islands_.at(dart.face);
+  const std::size_t c = islands_->at(dart.face);
   if (--places_[c] > 0) return false;
-  closed_ += islands_.capacities()[c];
+  closed_ += islands_->capacities()[c];
   if (closed_ > 0.5 * cumulative_.back()) sum_up();
   return true;
 }
@@ -66,7 +68,7 @@ void DartBoard::sum_up() {
   closed_ = 0.0;
   cumulative_.resize(surface_->face_count());
   for (std::size_t f = 0; f < cumulative_.size(); ++f) {
-    if (places_[islands_.at(nth_face(f))] > 0)
+    if (places_[islands_->at(nth_face(f))] > 0)
       sum += surface_->ordered().geometry(nth_face(f)).moments.capacity;
     cumulative_[f] = sum;
   }

@@ -32,7 +32,7 @@ class DartBoard {
   [[nodiscard]] Draw draw_on(OrderedFace face, Random& random) const;
 
   const Surface* surface_;
-  Islands islands_;
+  std::shared_ptr<const Islands> islands_;
   std::vector<std::size_t> places_;   // left per island
   std::vector<double> cumulative_;    // capacity of the faces so far, without full islands
   double closed_ = 0.0;               // capacity of islands that have become full since

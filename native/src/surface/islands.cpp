@@ -53,7 +53,7 @@ std::vector<std::int32_t> labels_of(const Surface& surface) {
 
 }  // namespace
 
-Islands::Islands(const Surface& surface) : surface_(&surface) {
+Islands::Islands(const Surface& surface) : connectivity_(surface.ordered().shared_connectivity()) {
   const OrderedSurface& mesh = surface.ordered();
   if (dapple::has_gaps(surface)) labels_ = labels_of(surface);
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
@@ -61,6 +61,13 @@ Islands::Islands(const Surface& surface) : surface_(&surface) {
     if (island >= capacities_.size()) capacities_.resize(island + 1, 0.0);
     capacities_[island] += mesh.geometry(nth_face(f)).moments.capacity;
   }
+}
+
+std::shared_ptr<const Islands> islands_of(const Surface& surface) {
+  LazyIslands& lazy = surface.ordered().lazy_islands();
+  const std::scoped_lock lock(lazy.mutex);
+  if (!lazy.islands) lazy.islands = std::make_shared<const Islands>(surface);
+  return lazy.islands;
 }
 
 }  // namespace dapple

@@ -6,6 +6,7 @@
 #include <dapple/moments.hpp>
 #include <dapple/surface.hpp>
 #include <memory>
+#include <mutex>
 
 #include "surface/connectivity.hpp"
 #include "surface/ordered_face.hpp"
@@ -19,6 +20,14 @@ struct alignas(64) FaceGeometry {
   Vec3 density_gradient = Vec3::Zero();  ///< of the linear density, in the face's plane
   Vec3 centroid = Vec3::Zero();
   Moments moments;  ///< of the whole face, relative to its centroid
+};
+
+class Islands;
+
+/// The islands of a surface, which are found on first use, see islands_of().
+struct LazyIslands {
+  std::mutex mutex;
+  std::shared_ptr<const Islands> islands;
 };
 
 /// A surface as the algorithms see it. Faces and vertices have their own order (see Connectivity),
@@ -140,6 +149,7 @@ class OrderedSurface {
   [[nodiscard]] std::shared_ptr<const Connectivity> shared_connectivity() const {
     return connectivity_;
   }
+  [[nodiscard]] LazyIslands& lazy_islands() const { return *geometry_->islands; }
   [[nodiscard]] const Shading& shading() const { return *shading_; }
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return *vertices_; }
   [[nodiscard]] DensityAt density_at() const { return density_->at; }
@@ -163,6 +173,7 @@ class OrderedSurface {
     double area = 0.0;
     double unit_capacity = 0.0;
     double density_unit = 1.0;
+    std::shared_ptr<LazyIslands> islands = std::make_shared<LazyIslands>();
   };
 
   void place_density(const Density& density);

@@ -82,14 +82,14 @@ Topology topology(const Surface& surface) {
 
 std::vector<std::int32_t> islands(const Surface& surface) {
   const OrderedSurface& mesh = surface.ordered();
-  const Islands known(surface);
-  std::vector<std::int32_t> numbers(known.count(), -1), result(surface.face_count(), -1);
+  const std::shared_ptr<const Islands> known = islands_of(surface);
+  std::vector<std::int32_t> numbers(known->count(), -1), result(surface.face_count(), -1);
   std::int32_t next = 0;
   for (std::size_t f = 0; f < result.size(); ++f) {
     check_at(f);
     const OrderedFace face = mesh.ordered_face(static_cast<std::int32_t>(f));
     if (!mesh.counts(face) || !has_density(surface, face)) continue;
-    std::int32_t& number = numbers[known.at(face)];
+    std::int32_t& number = numbers[known->at(face)];
     if (number < 0) number = next++;
     result[f] = number;
   }
