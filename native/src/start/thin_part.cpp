@@ -97,11 +97,10 @@ class Course {
   std::optional<std::vector<Place>> places(std::size_t count, double phase, Random& random) {
     find_distances(random);
     if (!(length_ > 0.0) || !std::isfinite(length_)) return std::nullopt;
+    // Most components are wide, and thinner slabs would cut each of their faces into many pieces.
+    if (!divide(slabs_of_spacing(count)) || wide_share(count) > kMostlyWide) return std::nullopt;
     if (!divide(kFirstSlabs)) return std::nullopt;
     const double slabs = std::ceil(kSlabs * static_cast<double>(count) * length_ / along());
-    // Thin slabs cut each face of a wide body into many pieces.
-    const double few = std::ceil(length_ / hexagonal_spacing(area() / static_cast<double>(count)));
-    if (few < slabs && (!divide(few) || wide_share(count) > kMostlyWide)) return std::nullopt;
     if (!divide(slabs) || !is_thin(count)) return std::nullopt;
     visit();
     return take(count, phase, random);
@@ -276,6 +275,13 @@ class Course {
     node.area += area;
     node.capacity += capacity;
     if (capacity > 0.0) node.pieces.push_back(piece);
+  }
+
+  /// The number of slabs that are as high as the spacing.
+  [[nodiscard]] double slabs_of_spacing(std::size_t count) const {
+    double sum = 0.0;
+    for (const OrderedFace face : faces_) sum += surface_.geometry(face).moments.area;
+    return std::ceil(length_ / hexagonal_spacing(sum / static_cast<double>(count)));
   }
 
   /// The length of all branches, as far as slabs separate them.
