@@ -28,6 +28,7 @@ constexpr double kMovingVariation = 0.02,
                  kMovingAlpha = 0.5;  // sufficient evenness if the density moves
 constexpr int kRounds = 3;            // of the search while discs overlap
 constexpr int kMoveRounds = 6;        // of moving sites apart
+constexpr int kLimitedRounds = 3;     // of them in which the slide of sites is limited
 constexpr double kHarder = 10.0;  // factor by which the weight of discs that still overlap grows
 constexpr double kRoomy = 1.7,
                  kCrowded = 0.4;  // of the mean capacity: space for one more, or one too many
@@ -222,7 +223,8 @@ Beginning on_density(const Surface& surface, const Frame& frame,
 double alpha_min(const Minimum& found) { return measure_evenness(found.state.diagram()).alpha_min; }
 
 /// Where a moving density or new faces left sites too near to each other, they are moved apart in
-/// the end. Those that were displaced may go farther than others.
+/// the end. Those that were displaced may go farther than others; in the last rounds all may, as
+/// some have to make room for them.
 void end_moving(const Frame& frame, const Surface& surface, OptimizerOptions options,
                 const Beginning& first, const Restoration& aim, Minimum& found, Context* context) {
   if (frame.classes.size() > 1 || frame.objective.holds_discs) return;
@@ -234,6 +236,7 @@ void end_moving(const Frame& frame, const Surface& surface, OptimizerOptions opt
   for (int round = 0; round < kMoveRounds && alpha_min(found) < kMovingAlpha; ++round) {
     move_apart(domain, least_distances(mine ? *mine : surface, domain, sites), sites, context);
     Sites home = first.home ? *first.home : first.start;
+    if (round >= kLimitedRounds) home = sites;
     put(home, first.displaced, select(sites, first.displaced));
     Minimum apart =
         minimize(frame.objective, sites, options, nullptr, {.home = &home, .restoration = &aim});
