@@ -16,9 +16,9 @@ constexpr double kLeast = 1e-9;      // relative decrease below which only round
 
 }  // namespace
 
-Forecast::Forecast(const OptimizerOptions& options, bool restoring)
+Forecast::Forecast(const OptimizerOptions& options, double tolerance, bool restoring)
     : law_(options.method == Method::kTrustRegion ? kTrustRegion : kLineSearch),
-      tolerance_(options.tolerance),
+      tolerance_(tolerance),
       most_(std::max(options.max_evaluations, 1)) {
   if (restoring) {
     most_ = std::min(most_, kToRestore);
@@ -48,7 +48,7 @@ double Forecast::progress(int evaluations) const {
 }
 
 double expected_evaluations(const OptimizerOptions& options) {
-  return Forecast(options, /*restoring=*/false).evaluations();
+  return Forecast(options, options.tolerance, /*restoring=*/false).evaluations();
 }
 
 }  // namespace dapple

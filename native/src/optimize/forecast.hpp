@@ -10,8 +10,9 @@ namespace dapple {
 /// but the progress depends on it.
 class Forecast {
  public:
+  /// \param tolerance decreases below which end the optimization
   /// \param restoring whether a deformed surface is only restored, which ends soon
-  Forecast(const OptimizerOptions& options, bool restoring);
+  Forecast(const OptimizerOptions& options, double tolerance, bool restoring);
 
   /// After an iteration.
   /// \param evaluations so far

@@ -24,11 +24,13 @@ constexpr int kUncut = 5;          // steps in a row that no jump has cut
 constexpr int kGrace = 12;         // additional evaluations, granted once if steps were held back
 constexpr double kLocal = 1e-2;    // of the tolerance, if only a few places remain to be restored
 constexpr double kLattice = 0.2;   // for a lattice, which each step improves only a little
+constexpr double kOneSet = 0.5;    // for one set of sites: after few steps only long waves are left
 constexpr int kFailures = 5;       // steps without any decrease: only rounding remains
 constexpr int kFewFailures = 2;    // while restoring
 constexpr double kStuck =
     5e-4;  // of the energy: the decrease that the model may predict if steps are small
 constexpr double kMissed = 2.0;     // times the tolerance: what a last step may promise that fails
+constexpr double kHidden = 20.0;    // times the tolerance: what a jump may hide of a last step
 constexpr double kRounding = 1e-9;  // of the energy: a predicted decrease below rounding errors
 
 class Minimizer {
@@ -41,10 +43,10 @@ class Minimizer {
         restoration_(options.method == Method::kTrustRegion ? restoration : nullptr),
         aim_(aim),
         history_(keeps_pairs() ? options.history : 0),
-        region_(options.max_step, /*exact=*/restoring()),
+        region_(options.max_step, /*exact=*/restoring(), careful()),
         limit_(objective_, options.max_slide),
         rule_(tolerance(), options.patience, restoring() ? kFewFailures : kFailures),
-        forecast_(options, restoring()),
+        forecast_(options, tolerance(), restoring()),
         last_(options.max_evaluations) {}
 
   Minimum run(const Sites& start, const Sites* home) {
@@ -69,16 +71,18 @@ class Minimizer {
   [[nodiscard]] bool restoring() const { return restoration_ != nullptr; }
   [[nodiscard]] bool in_trust_region() const { return options_.method == Method::kTrustRegion; }
 
-  /// Whether earlier steps are to tell of second derivatives. With several classes the model knows
-  /// more of them.
-  [[nodiscard]] bool keeps_pairs() const {
-    return restoring() || !in_trust_region() || objective_.terms.size() == 1;
-  }
+  /// Whether the steps begin near a minimum: those of a frame, and those of a lattice, which goes
+  /// from one minimum to a better one.
+  [[nodiscard]] bool careful() const { return restoring() || objective_.forms_lattice(); }
+
+  /// Whether earlier steps are to tell of second derivatives. Along longer steps the energy is not
+  /// quadratic.
+  [[nodiscard]] bool keeps_pairs() const { return careful() || !in_trust_region(); }
 
   [[nodiscard]] double tolerance() const {
     if (restoring()) return kLocal * options_.tolerance;
-    const bool lattice = in_trust_region() && objective_.forms_lattice();
-    return lattice ? kLattice * options_.tolerance : options_.tolerance;
+    if (!in_trust_region() || objective_.terms.size() > 1) return options_.tolerance;
+    return (objective_.forms_lattice() ? kLattice : kOneSet) * options_.tolerance;
   }
 
   void begin(const Sites& start, const Sites* home) {
@@ -141,10 +145,12 @@ class Minimizer {
   }
 
   /// A quasi-Newton step predicts a decrease of half its slope. If even that is small, or hidden by
-  /// a jump, failing to reach it means convergence.
+  /// a jump, failing to reach it means convergence. Where far more is hidden, a shorter step is
+  /// tried.
   void update_stopping(const Step& step, double slope, bool sure) {
     const double promised = -0.5 * slope;
-    const double hoped = promised > step.jump ? promised : 0.0;
+    const bool much = !careful() && promised > kHidden * tolerance() * state_.total;
+    const double hoped = much || promised > step.jump ? promised : 0.0;
     decrease_ = (step.found ? state_.total - trial_.total : hoped) / state_.total;
     rule_.update(decrease_, step.found, promised / state_.total, sure);
   }

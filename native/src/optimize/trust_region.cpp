@@ -30,11 +30,11 @@ constexpr int kPasses = 3;          // over the pairs that a step brings too clo
 constexpr double kMostHeld = 0.25;  // share of the sites that may be held back for that
 constexpr double kRounding = 1e-12;  // relative rounding error of a shortened move
 constexpr double kSlopeLeft = 0.5;   // share of its slope that a step keeps when it separates sites
-constexpr double kFewTooFar = 0.05;  // share of all sites: if so few go too far, only they are cut
+constexpr double kFewTooFar = 0.05;  // share of all sites: if more go too far, classes cut none
 
-/// Shortens moves that bring sites too close. It is skipped if many moves would be shortened, as in
-/// white noise, or if there are several classes, whose repulsions may contradict that of the union;
-/// there it would cost more than it gains.
+/// Shortens moves that bring sites too close. It is skipped if many moves would be shortened, or if
+/// there are several classes, whose repulsions may contradict that of the union; there it would
+/// cost more than it gains.
 Vectors keep_apart(const Objective& objective, const Evaluation& state, Vectors direction) {
   if (objective.terms.size() > 1) return direction;
   const Approaches approaches(state.diagram(), objective.terms[0].radii, direction,
@@ -93,15 +93,16 @@ void separate_crowded(const Objective& objective, const Evaluation& state, Vecto
   separate(all, direction);
 }
 
-/// Where classes and their union disagree, few sites want to go much farther than all others, as
-/// those of rare classes do, whose cells are large. They must not shorten the moves of all.
-void cut_few(const Objective& objective, const Evaluation& state, double max_step,
-             Vectors& direction) {
-  if (state.parts.size() < 2) return;
+/// Few sites want to go much farther than all others, as those of rare classes do, whose cells are
+/// large, and those beside a gap of the density. They must not shorten the moves of all. Where
+/// classes and their union disagree, many moves that are too long are a sign of a bad model.
+void cut_long(const Objective& objective, const Evaluation& state, double max_step,
+              Vectors& direction) {
   std::vector<std::size_t> far;
   for (std::size_t k = 0; k < direction.size(); ++k)
     if (direction[k].norm() > longest_step(objective, state, max_step, k)) far.push_back(k);
-  if (static_cast<double>(far.size()) > kFewTooFar * static_cast<double>(direction.size())) return;
+  const double most = state.parts.size() > 1 ? kFewTooFar : 1.0;
+  if (static_cast<double>(far.size()) > most * static_cast<double>(direction.size())) return;
   for (const std::size_t k : far)
     direction[k] *= longest_step(objective, state, max_step, k) / direction[k].norm();
 }
@@ -127,13 +128,13 @@ Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
   for (int solves = 1;; ++solves) {
     const auto solve = [&](const Vectors& v) { return model_.solve(v, trust_); };
     Vectors direction = history.direction(state.gradient, restrict, solve);
-    cut_few(objective, state, max_step_, direction);
+    if (!is_careful() || state.parts.size() > 1) cut_long(objective, state, max_step_, direction);
     const double excess = step_excess(objective, state, max_step_, direction);
     const bool descends = dot(direction, state.gradient) < 0.0;
     const bool overshoots = trust_.boundaries > 0.0 && model_.is_indefinite();
     if ((excess <= 1.0 + kRounding && descends && !overshoots) || trust_.delta > kMost) {
       if (objective.holds_discs) hold_discs(objective, state, direction);
-      direction = keep_apart(objective, state, std::move(direction));
+      if (is_careful()) direction = keep_apart(objective, state, std::move(direction));
       if (separates_) {
         // In a groove sites are near others that no short move leads away from.
         Vectors apart = direction;
@@ -169,12 +170,13 @@ void TrustRegion::hold_discs(const Objective& objective, const Evaluation& state
   Vectors held = model_.solve(b, trust_);
   for (Vec3& v : held) v = -v;
   objective.restrict(held, state.normals);
-  cut_few(objective, state, max_step_, held);
+  cut_long(objective, state, max_step_, held);
   if (step_excess(objective, state, max_step_, held) <= 1.0 + kRounding) direction.swap(held);
 }
 
 void TrustRegion::update_radius(bool found, double shortened) {
   double& delta = trust_.delta;
+  failed_ = !found;
   if (!found)
     delta *= kFailed;
   else if (shortened < 1.0)

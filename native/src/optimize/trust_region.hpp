@@ -12,7 +12,11 @@ class TrustRegion {
  public:
   /// \param max_step the radius, in local spacings
   /// \param exact whether the linear system is solved well, for the long waves of a deformation
-  TrustRegion(double max_step, bool exact) : max_step_(max_step), exact_(exact) {}
+  /// \param careful whether one move that is too long shortens all of them, and moves that bring
+  ///                sites near each other are halved; otherwise moves that are too long are cut,
+  ///                unless the last step failed
+  TrustRegion(double max_step, bool exact, bool careful)
+      : max_step_(max_step), exact_(exact), careful_(careful) {}
 
   /// Begin with a delta below which it never falls.
   void set_least_delta(double delta) { trust_.delta = least_delta_ = delta; }
@@ -35,14 +39,16 @@ class TrustRegion {
                                 const Context* context = nullptr);
 
  private:
+  [[nodiscard]] bool is_careful() const { return careful_ || failed_; }
   void trust_boundaries_less();
   void hold_discs(const Objective& objective, const Evaluation& state, Vectors& direction);
 
   GaussNewton model_;  // of one step after another
   double max_step_;
-  bool exact_;
+  bool exact_, careful_;
   Trust trust_;
   double least_delta_ = 1.0;
+  bool failed_ = false;    // whether the last step did
   bool separates_ = true;  // crowded sites, unless the last step failed or was shortened
 };
 

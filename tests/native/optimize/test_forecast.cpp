@@ -11,7 +11,7 @@ namespace {
 TEST(Forecast, FindsTheEndOfDecreasesThatFollowItsLaw) {
   OptimizerOptions options;
   options.tolerance = 1e-5;
-  Forecast forecast(options, /*restoring=*/false);
+  Forecast forecast(options, options.tolerance, /*restoring=*/false);
   const double c = 0.1;  // the energy decreases like c / k^2, which meets the tolerance at k = 100
   for (int k = 1; k <= 10; ++k) forecast.note(k, c / (k * k));
   EXPECT_NEAR(forecast.evaluations(), 100.0, 1e-6);
@@ -24,11 +24,12 @@ TEST(Forecast, NeverExceedsTheEvaluationLimit) {
   options.tolerance = 0.0;
   EXPECT_EQ(expected_evaluations(options), 6.0);
   options.max_evaluations = 200;
-  EXPECT_LE(Forecast(options, /*restoring=*/true).evaluations(), 4.0);
+  EXPECT_LE(Forecast(options, options.tolerance, /*restoring=*/true).evaluations(), 4.0);
 }
 
 TEST(Forecast, ProgressRisesBeyondWhatWasExpectedAndStaysBelowOne) {
-  const Forecast forecast({}, /*restoring=*/false);
+  const OptimizerOptions options;
+  const Forecast forecast(options, options.tolerance, /*restoring=*/false);
   const int expected = static_cast<int>(forecast.evaluations());
   double before = 0.0;
   for (int k = 1; k <= 3 * expected; ++k) {

@@ -134,25 +134,44 @@ TEST(Optimizer, ConvergesFurtherWithASmallerTolerance) {
   EXPECT_GT(fine.evaluations, coarse.evaluations);
 }
 
-/// Only the thin part of a steep density lacks samples: the search ends in an uneven state in which
-/// no step succeeds.
+/// 100 times as dense on a cap as below it.
+Surface steep() {
+  return with_face_density(icosphere(5), [](const Vec3& p) { return p.z() > 0.875 ? 100.0 : 1.0; })
+      .surface();
+}
+
+/// Even sites without the first ones of the thin part.
+Sites lacking(const SurfaceDomain& domain, const Surface& surface, int most, std::uint64_t seed) {
+  const Sites even = optimize(domain, poisson_start(surface, 1000, seed), {}).sites;
+  Sites start;
+  int missing = 0;
+  for (std::size_t k = 0; k < even.size(); ++k) {
+    if (even.positions[k].z() < 0.875 && missing++ < most) continue;
+    start.positions.push_back(even.positions[k]);
+    start.faces.push_back(even.faces[k]);
+    start.barycentric.push_back(even.barycentric[k]);
+  }
+  return start;
+}
+
+TEST(Optimizer, FillsAThinPartThatLacksSamples) {
+  const Surface surface = steep();
+  const SurfaceDomain domain(surface);
+  for (std::uint64_t seed = 0; seed < 2; ++seed) {
+    const OptimizerResult found = optimize(domain, lacking(domain, surface, 80, seed), {});
+    EXPECT_LT(measure_evenness(found.energy.diagram).capacity_variation, 0.03);
+    EXPECT_TRUE(found.converged);
+  }
+}
+
+/// The thin part of a steep density has no samples: the search ends in an uneven state in which no
+/// step succeeds.
 TEST(Optimizer, DoesNotReportAFailedSearchAsConverged) {
-  const Surface surface = with_face_density(icosphere(5), [](const Vec3& p) {
-                            return p.z() > 0.875 ? 100.0 : 1.0;
-                          }).surface();
+  const Surface surface = steep();
   const SurfaceDomain domain(surface);
   const OptimizerOptions patient{.max_evaluations = 500};  // the limit is not reached
   for (std::uint64_t seed = 0; seed < 2; ++seed) {
-    const Sites even = optimize(domain, poisson_start(surface, 1000, seed), {}).sites;
-    Sites start;
-    int missing = 0;
-    for (std::size_t k = 0; k < even.size(); ++k) {
-      if (even.positions[k].z() < 0.875 && missing++ < 80) continue;
-      start.positions.push_back(even.positions[k]);
-      start.faces.push_back(even.faces[k]);
-      start.barycentric.push_back(even.barycentric[k]);
-    }
-    const OptimizerResult found = optimize(domain, start, patient);
+    const OptimizerResult found = optimize(domain, lacking(domain, surface, 1000, seed), patient);
     const double spread = measure_evenness(found.energy.diagram).capacity_variation;
     std::cout << "capacity variation " << spread << " after " << found.evaluations
               << " evaluations\n";
@@ -162,8 +181,8 @@ TEST(Optimizer, DoesNotReportAFailedSearchAsConverged) {
   }
 }
 
-/// The search stops at the second decrease below the tolerance (docs/method.md): the last two are
-/// small, and no two before.
+/// The search stops at the second decrease below half the tolerance (docs/method.md): the last two
+/// are small, and no two before.
 TEST(Optimizer, StopsAtTheSecondSmallDecrease) {
   const Surface surface = torus(60, 30).surface();
   const OptimizerOptions options{.tolerance = 1e-5};
@@ -173,7 +192,9 @@ TEST(Optimizer, StopsAtTheSecondSmallDecrease) {
   for (std::size_t k = 1; k < found.energies.size(); ++k) {
     EXPECT_LT(small, 2) << "went on after iteration " << k - 1;
     const double total = found.energies[k] + options.capacity_weight;  // minimized value
-    small = (found.energies[k - 1] - found.energies[k]) / total > options.tolerance ? 0 : small + 1;
+    small = (found.energies[k - 1] - found.energies[k]) / total > 0.5 * options.tolerance
+                ? 0
+                : small + 1;
   }
 }
 
@@ -181,7 +202,7 @@ TEST(Optimizer, StopsAtTheSecondSmallDecrease) {
 /// continues once.
 TEST(Optimizer, ContinuesIfSmallGainsComeFromLimitedSteps) {
   const Surface surface = torus(60, 30).surface();
-  const OptimizerOptions options{.tolerance = 1e-2, .patience = 6, .max_step = 0.01};
+  const OptimizerOptions options{.tolerance = 1e-1, .patience = 6, .max_step = 0.01};
   const OptimizerResult found =
       optimize(SurfaceDomain(surface), random_start(surface, 300, 1), options);
   EXPECT_EQ(found.energies.size(), 13u);  // six small decreases, twice

@@ -27,16 +27,28 @@ struct Fixture {
 TEST(TrustRegion, StepsDescendWithinTheLongestStep) {
   for (const Start start : {Start::kRandom, Start::kPoisson}) {
     Fixture f(start);
-    TrustRegion region(0.5, /*exact=*/false);
-    const Vectors step = region.step(f.objective, f.state, f.history);
-    EXPECT_LT(dot(step, f.state.gradient), 0.0);
-    EXPECT_LE(step_excess(f.objective, f.state, 0.5, step), 1.0);
+    for (const bool careful : {false, true}) {
+      TrustRegion region(0.5, /*exact=*/false, careful);
+      const Vectors step = region.step(f.objective, f.state, f.history);
+      EXPECT_LT(dot(step, f.state.gradient), 0.0);
+      EXPECT_LE(step_excess(f.objective, f.state, 0.5, step), 1.0 + 1e-12);
+    }
   }
+}
+
+TEST(TrustRegion, AMoveThatIsTooLongShortensNoOtherMove) {
+  Fixture f(Start::kRandom);
+  const auto length = [&](bool careful) {
+    TrustRegion region(0.5, false, careful);
+    const Vectors step = region.step(f.objective, f.state, f.history);
+    return std::sqrt(dot(step, step));
+  };
+  EXPECT_GT(length(false), 2.0 * length(true));
 }
 
 TEST(TrustRegion, ShrinksAfterFailuresAndGrowsAgain) {
   Fixture f(Start::kPoisson);
-  TrustRegion region(0.5, false);
+  TrustRegion region(0.5, false, false);
   const auto length = [&] {
     TrustRegion now = region;  // a step may change delta
     const Vectors step = now.step(f.objective, f.state, f.history);
@@ -54,7 +66,7 @@ TEST(TrustRegion, ShrinksAfterFailuresAndGrowsAgain) {
 
 TEST(TrustRegion, PredictsLittleNearTheMinimum) {
   Fixture random(Start::kRandom), poisson(Start::kPoisson);
-  TrustRegion region(0.5, false);
+  TrustRegion region(0.5, false, false);
   EXPECT_GT(region.promised(random.objective, random.state),
             region.promised(poisson.objective, poisson.state));
   EXPECT_GT(region.promised(poisson.objective, poisson.state), 0.0);

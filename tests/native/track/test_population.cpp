@@ -55,24 +55,35 @@ TEST(Population, KeepsTheDensity) {
 /// The density is 100 times as high on a cap. Where the surface grows uniformly, all regions gain
 /// samples in proportion.
 TEST(Population, KeepsTheSharesUnderADensity) {
+  constexpr std::uint64_t kSeeds = 5;
   const Shape shape =
       with_face_density(icosphere(4), [](const Vec3& p) { return p.z() > 0.875 ? 100.0 : 1.0; });
   const Surface surface = shape.surface();
-  Population population(surface, sample(surface, 800), {.fade = kFade});
-  const auto dense_share = [&population] {
-    const Samples& samples = population.samples();
-    double dense = 0.0;
-    for (std::size_t k = 0; k < samples.report.count; ++k)
-      dense += samples.positions[k].normalized().z() > 0.875 ? 1.0 : 0.0;
-    return dense / static_cast<double>(samples.report.count);
-  };
-  const double first = dense_share();
-  for (int frame = 1; frame <= 12; ++frame) {
-    const double size = 1.0 + 0.05 * std::sin(2.0 * std::numbers::pi * frame / 12);
-    population.advance(mapped(shape, [&](const Vec3& p) { return Vec3(size * p); }).vertices);
-    EXPECT_NEAR(dense_share(), first, 0.01) << "frame " << frame;
-    EXPECT_LE(population.samples().report.evenness.capacity_variation, 0.03) << "frame " << frame;
+  double worst = 0.0, worst_share = 0.0;  // of all frames, means of the starts
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    SampleOptions options;
+    options.seed = seed;
+    Population population(surface, sample(surface, 800, options), {.fade = kFade});
+    const auto dense_share = [&population] {
+      const Samples& samples = population.samples();
+      double dense = 0.0;
+      for (std::size_t k = 0; k < samples.report.count; ++k)
+        dense += samples.positions[k].normalized().z() > 0.875 ? 1.0 : 0.0;
+      return dense / static_cast<double>(samples.report.count);
+    };
+    const double first = dense_share();
+    double variation = 0.0, off = 0.0;
+    for (int frame = 1; frame <= 12; ++frame) {
+      const double size = 1.0 + 0.05 * std::sin(2.0 * std::numbers::pi * frame / 12);
+      population.advance(mapped(shape, [&](const Vec3& p) { return Vec3(size * p); }).vertices);
+      off = std::max(off, std::abs(dense_share() - first));
+      variation = std::max(variation, population.samples().report.evenness.capacity_variation);
+    }
+    worst += variation / kSeeds;
+    worst_share += off / kSeeds;
   }
+  EXPECT_LE(worst, 0.03);
+  EXPECT_LE(worst_share, 0.01);
 }
 
 /// The samples of one class that stay, as separate samples.

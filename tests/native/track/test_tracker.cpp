@@ -226,27 +226,36 @@ TEST(Tracker, KeepsEverySampleNearItsPlaceOnViolentFrames) {
 }
 
 // The motion needs no slide above the limit; after a large motion evenness may take more than one
-// frame.
+// frame. How far the energy rises in between depends on the start.
 TEST(Tracker, StaysAsEvenAsTheFirstFrame) {
   const Shape shape = body();
-  Tracker tracker = tracker_of(shape);
-  const double first =
-      evaluate_energy(tracker.surface(), sites_of(tracker.samples()), 30.0, Cells::kEuclidean)
-          .normalized;
-  double worst_left = 0.0;
-  for (int frame = 1; frame <= 20; ++frame) {
-    const Samples before = tracker.samples();
-    const std::vector<Vec3> vertices = deformed(shape.vertices, 0.15 * frame);
-    const Surface moved = tracker.surface().deformed(vertices);
-    const Samples carried = bind_samples(moved, before.faces, before.barycentric);
-    worst_left = std::max(
-        worst_left, evaluate_energy(moved, sites_of(carried), 30.0, Cells::kEuclidean).normalized);
-    const Samples& samples = tracker.advance(vertices);
-    EXPECT_LE(samples.report.energy, first + 2e-3) << "frame " << frame;
-    EXPECT_GE(samples.report.energy, 0.16037) << "frame " << frame;
+  const Surface surface = shape.surface();
+  const auto energy_on = [](const Surface& moved, const Samples& samples) {
+    return evaluate_energy(moved, sites_of(samples), 30.0, Cells::kEuclidean).normalized;
+  };
+  constexpr std::uint64_t kSeeds = 5;
+  double worst = 0.0, worst_left = 0.0;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    SampleOptions options;
+    options.seed = seed;
+    Tracker tracker(surface, sample(surface, kCount, options));
+    const double first = energy_on(surface, tracker.samples());
+    double above = 0.0, left = 0.0;
+    for (int frame = 1; frame <= 20; ++frame) {
+      const Samples before = tracker.samples();
+      const std::vector<Vec3> vertices = deformed(shape.vertices, 0.15 * frame);
+      const Surface moved = tracker.surface().deformed(vertices);
+      const Samples carried = bind_samples(moved, before.faces, before.barycentric);
+      left = std::max(left, energy_on(moved, carried) - first);
+      const Samples& samples = tracker.advance(vertices);
+      above = std::max(above, samples.report.energy - first);
+      EXPECT_GE(samples.report.energy, 0.16037) << "frame " << frame;
+    }
+    worst += above / kSeeds;
+    worst_left += left / kSeeds;
   }
-  EXPECT_GT(worst_left, first + 2e-2)
-      << "the motion does not disturb the samples: the test shows nothing";
+  EXPECT_LE(worst, 2e-3);
+  EXPECT_GT(worst_left, 2e-2) << "the motion does not disturb the samples: the test shows nothing";
 }
 
 TEST(Tracker, DoesNotTryToMakeIslandsEvenThatGrowAndShrink) {

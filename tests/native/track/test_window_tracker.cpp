@@ -130,9 +130,11 @@ TEST(WindowTracker, IsAWindowWhereOnePieceIsAll) {
 TEST(WindowTracker, ClosesALoopWithTheLastPiece) {
   const Shape shape = blob(3);
   const Surface surface = shape.surface();
-  const Samples start = sample(surface, 100);
   Frames frames = motion(shape, 47);  // the next frame would equal the first
-  const auto way_back = [&](bool closed) {
+  const auto way_back = [&](std::uint64_t seed, bool closed) {
+    SampleOptions options;
+    options.seed = seed;
+    const Samples start = sample(surface, 100, options);
     WindowTracker tracker(surface, start, {.closed = closed});
     const Samples last = in_pieces(tracker, frames).back();
     double sum = 0.0;
@@ -140,7 +142,11 @@ TEST(WindowTracker, ClosesALoopWithTheLastPiece) {
       sum += (surface.point(last.faces[k], last.barycentric[k]) - start.positions[k]).norm();
     return sum / static_cast<double>(last.size()) / surface.spacing(last.size());
   };
-  const double open = way_back(false), closed = way_back(true);
+  double open = 0.0, closed = 0.0;  // over several starts, as little moves on its way back
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    open += way_back(seed, false) / 5.0;
+    closed += way_back(seed, true) / 5.0;
+  }
   std::cout << "seam " << open << " -> " << closed << '\n';
   EXPECT_LT(closed, 0.5 * open);
 }
