@@ -163,6 +163,16 @@ TEST(SamplerBands, OnTheFandisk) {
 }
 
 /// Repulsion ensures a minimum distance, which equal capacities alone do not.
+TEST(Sampler, TakesFewEvaluationsFromARandomStart) {
+  const Surface surface = torus(60, 30).surface();
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    SampleOptions options;
+    options.seed = seed;
+    options.start = Start::kRandom;
+    EXPECT_LE(sample(surface, 1000, options).report.evaluations, 22) << seed;
+  }
+}
+
 TEST(Sampler, KeepsNeighborsApartWithTheGap) {
   const Surface surface = torus(60, 30).surface();
   double with = 0.0, without = 0.0;

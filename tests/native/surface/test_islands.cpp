@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
@@ -87,6 +88,23 @@ TEST(Islands, EachGetsItsShareOfTheSamples) {
     for (std::size_t k = 1; k < counts.size(); ++k) EXPECT_NEAR(counts[k], 1000.0 / 18.0, 1.0);
     EXPECT_GT(samples.report.whole_count_variation, 0.0);
     EXPECT_LE(samples.report.evenness.capacity_variation, 0.015);
+  }
+}
+
+/// Sites beside gaps want to go far, but they hold back no others.
+TEST(Islands, TakeAboutAsManyEvaluationsAsAWholeSurface) {
+  const Surface surface = with_density(grid(120), [](const Vec3& p) {
+                            const double wave =
+                                std::sin(40.0 * p.x() + 2.0 * std::sin(5.0 * p.y())) *
+                                std::sin(32.0 * p.y() + std::sin(9.0 * p.x()));
+                            return std::clamp(3.0 * (wave + 0.25), 0.0, 1.0);
+                          }).surface();
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    SampleOptions options;
+    options.seed = seed;
+    const Report report = sample(surface, 2000, options).report;
+    EXPECT_LE(report.evaluations, 14) << seed;
+    EXPECT_LE(report.evenness.capacity_variation, 0.005) << seed;
   }
 }
 
