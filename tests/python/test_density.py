@@ -307,7 +307,7 @@ def test_a_camera_leaves_out_what_meshes_hide():
     masked = density.MaskedSurface(plane(), [seen], count=300)
     samples = masked.to_original(dapple.sample(masked.surface, 300))
     away = np.abs(samples.positions[:, :2]).max(axis=1)
-    assert 0.5 <= away.min() < 0.6
+    assert 0.5 <= away.min() < 0.65  # the spacing is 0.11
     np.testing.assert_array_equal(seen.values(np.array([[0.3, 0, 0], [0.7, 0, 0.0]])), [0, 1])
     clip[2, 2] = 0.1  # looks up, from below the square
     assert density.Camera(clip, 1.0, [(cover, CUBE_FACES)]).values(np.zeros((1, 3)))[0] == 1.0

@@ -238,8 +238,13 @@ def test_points_stay_even_where_faces_change():
     joined = surface.modifiers.new("Boolean", "BOOLEAN")
     joined.object, joined.solver, joined.operation = box, "FAST", "UNION"
     bpy.context.scene.frame_set(1)
-    obj = scatter_on(surface, 200)
-    obj.dapple.new_topology = "REATTACH"
-    assert bpy.ops.dapple.bake() == {"FINISHED"}
-    assert obj.dapple.report.alpha_min > 0.35
-    assert obj.dapple.report.capacity_variation < 0.1
+    variations = []
+    for seed in range(4):
+        obj = scatter_on(surface, 200)
+        obj.dapple.seed = seed
+        assert bpy.ops.dapple.optimize() == {"FINISHED"}
+        obj.dapple.new_topology = "REATTACH"
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        assert obj.dapple.report.alpha_min > 0.35
+        variations.append(obj.dapple.report.capacity_variation)
+    assert np.mean(variations) < 0.08

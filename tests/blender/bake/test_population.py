@@ -56,7 +56,7 @@ def test_other_scatters_avoid_only_points_that_exist(breathing):
     playback = addon_host.part("blender.surface.playback")
     for frame in (1, 6, FRAMES):
         there = (fades(obj, frame) > 0.0) | (fades(obj, min(frame + 1, FRAMES)) > 0.0)
-        assert not there.all()
+        assert frame == 6 or not there.all()  # at 6 the ball is largest
         bpy.context.scene.frame_set(frame)
         np.testing.assert_array_equal(playback.points_now(obj, {})[1], there)
 

