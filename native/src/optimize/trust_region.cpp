@@ -134,7 +134,9 @@ Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
     const bool overshoots = trust_.boundaries > 0.0 && model_.is_indefinite();
     if ((excess <= 1.0 + kRounding && descends && !overshoots) || trust_.delta > kMost) {
       if (objective.holds_discs) hold_discs(objective, state, direction);
-      if (is_careful()) direction = keep_apart(objective, state, std::move(direction));
+      // Others would be pressed against sites that stay.
+      if (is_careful() || !objective.locked.empty())
+        direction = keep_apart(objective, state, std::move(direction));
       if (separates_) {
         // In a groove sites are near others that no short move leads away from.
         Vectors apart = direction;
