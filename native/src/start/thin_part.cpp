@@ -279,9 +279,7 @@ class Course {
 
   /// The number of slabs that are as high as the spacing.
   [[nodiscard]] double slabs_of_spacing(std::size_t count) const {
-    double sum = 0.0;
-    for (const OrderedFace face : faces_) sum += surface_.geometry(face).moments.area;
-    return std::ceil(length_ / hexagonal_spacing(sum / static_cast<double>(count)));
+    return std::ceil(length_ / hexagonal_spacing(area() / static_cast<double>(count)));
   }
 
   /// The length of all branches, as far as slabs separate them.
@@ -289,7 +287,7 @@ class Course {
 
   [[nodiscard]] double area() const {
     double sum = 0.0;
-    for (const Node& node : nodes_) sum += node.area;
+    for (const OrderedFace face : faces_) sum += surface_.geometry(face).moments.area;
     return sum;
   }
 

@@ -5,21 +5,15 @@
 #include <dapple/surface.hpp>
 #include <dapple/types.hpp>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 
+#include "base/lazy.hpp"
 #include "surface/doubled.hpp"
 
 namespace dapple {
 
 class FaceEdges;
-
-/// The edges of the faces, which are made on first use, see face_edges_of().
-struct LazyFaceEdges {
-  std::mutex mutex;
-  std::shared_ptr<const FaceEdges> edges;
-};
 
 /// Faces and vertices in their own order (along Morton curves, for the cache; *ordered* for short),
 /// the maps to the caller's order, and which faces are neighbors. All surfaces deformed from one
@@ -37,7 +31,8 @@ struct Connectivity {
   std::vector<std::int32_t> body;    // per ordered face, see Joints::bodies; empty: one
   bool merge_doubled = true;         // see SurfaceOptions
   std::vector<DoubledFace> doubled;  // sorted by face; each is in the component of the other
-  std::shared_ptr<LazyFaceEdges> face_edges = std::make_shared<LazyFaceEdges>();
+  std::shared_ptr<Lazy<FaceEdges>> face_edges =
+      std::make_shared<Lazy<FaceEdges>>();  // see face_edges_of()
 };
 
 /// Connect faces over edges of the same vertices and, with `weld`, over border edges at the same

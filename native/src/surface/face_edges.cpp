@@ -163,16 +163,8 @@ void FaceEdges::find_pinched(const OrderedSurface& mesh, std::span<const std::in
 }
 
 std::shared_ptr<const FaceEdges> face_edges_of(const OrderedSurface& mesh) {
-  LazyFaceEdges& lazy = *mesh.connectivity().face_edges;
-  {
-    const std::scoped_lock lock(lazy.mutex);
-    if (lazy.edges) return lazy.edges;
-  }
-  // They are made without the lock, because a Poll may ask for them too; the first are kept.
-  auto made = std::make_shared<const FaceEdges>(mesh);
-  const std::scoped_lock lock(lazy.mutex);
-  if (!lazy.edges) lazy.edges = std::move(made);
-  return lazy.edges;
+  return mesh.connectivity().face_edges->get(
+      [&] { return std::make_shared<const FaceEdges>(mesh); });
 }
 
 }  // namespace dapple

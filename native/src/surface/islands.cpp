@@ -64,10 +64,7 @@ Islands::Islands(const Surface& surface) : connectivity_(surface.ordered().share
 }
 
 std::shared_ptr<const Islands> islands_of(const Surface& surface) {
-  LazyIslands& lazy = surface.ordered().lazy_islands();
-  const std::scoped_lock lock(lazy.mutex);
-  if (!lazy.islands) lazy.islands = std::make_shared<const Islands>(surface);
-  return lazy.islands;
+  return surface.ordered().islands().get([&] { return std::make_shared<const Islands>(surface); });
 }
 
 }  // namespace dapple

@@ -6,8 +6,8 @@
 #include <dapple/moments.hpp>
 #include <dapple/surface.hpp>
 #include <memory>
-#include <mutex>
 
+#include "base/lazy.hpp"
 #include "surface/connectivity.hpp"
 #include "surface/ordered_face.hpp"
 #include "surface/shading.hpp"
@@ -23,12 +23,6 @@ struct alignas(64) FaceGeometry {
 };
 
 class Islands;
-
-/// The islands of a surface, which are found on first use, see islands_of().
-struct LazyIslands {
-  std::mutex mutex;
-  std::shared_ptr<const Islands> islands;
-};
 
 /// A surface as the algorithms see it. Faces and vertices have their own order (see Connectivity),
 /// which all indices here refer to unless they are called the caller's. Immutable; copies share
@@ -149,7 +143,8 @@ class OrderedSurface {
   [[nodiscard]] std::shared_ptr<const Connectivity> shared_connectivity() const {
     return connectivity_;
   }
-  [[nodiscard]] LazyIslands& lazy_islands() const { return *geometry_->islands; }
+  /// See islands_of().
+  [[nodiscard]] Lazy<Islands>& islands() const { return *geometry_->islands; }
   [[nodiscard]] const Shading& shading() const { return *shading_; }
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return *vertices_; }
   [[nodiscard]] DensityAt density_at() const { return density_->at; }
@@ -173,7 +168,7 @@ class OrderedSurface {
     double area = 0.0;
     double unit_capacity = 0.0;
     double density_unit = 1.0;
-    std::shared_ptr<LazyIslands> islands = std::make_shared<LazyIslands>();
+    std::shared_ptr<Lazy<Islands>> islands = std::make_shared<Lazy<Islands>>();
   };
 
   void place_density(const Density& density);

@@ -162,7 +162,6 @@ TEST(SamplerBands, OnTheFandisk) {
                   {{0.40, 0.85}, {0.79, 0.92}, {0.0005, 0.015}, {0.1600, 0.1750}});
 }
 
-/// Repulsion ensures a minimum distance, which equal capacities alone do not.
 TEST(Sampler, TakesFewEvaluationsFromARandomStart) {
   const Surface surface = torus(60, 30).surface();
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
@@ -173,6 +172,7 @@ TEST(Sampler, TakesFewEvaluationsFromARandomStart) {
   }
 }
 
+/// Repulsion ensures a minimum distance, which equal capacities alone do not.
 TEST(Sampler, KeepsNeighborsApartWithTheGap) {
   const Surface surface = torus(60, 30).surface();
   double with = 0.0, without = 0.0;
